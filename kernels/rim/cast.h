@@ -19,7 +19,7 @@ typedef struct Course {
 } Course;
 
 BARRIER_INLINE Course course_of(const RimQuarter q, const int line, const float last_turn,
-                               float* cos_, float* sin_, float* turn_) {
+                                float* cos_, float* sin_, float* turn_) {
   const float det = q.a * q.c - q.b * q.b, per_c = 1.0f / q.c;
   const float x = q.u0 + q.u_step * (float)line;
   const float gradient = sqrt(q.c - det * x * x);
@@ -44,7 +44,7 @@ BARRIER_INLINE Course course_of(const RimQuarter q, const int line, const float 
 
 // By Catmull and Rom's cubic.
 BARRIER_INLINE float sample_course(__global const PIXEL* picture, const Course course,
-                                  const float excess) {
+                                   const float excess) {
   const float at = course.at + excess * (course.per - excess * course.bend);
   const int whole = (int)at;
   const float t = at - (float)whole;

@@ -19,14 +19,14 @@
 
 typedef struct Kept {
   int lines, breaks;
-  int widest_gap;               // rad, the bits of a float
+  int widest_gap;                // rad, the bits of a float
   short begin[RIM_SECTORS + 1];  // the first line of each sector
   int count[RIM_SECTORS];
 } Kept;
 
 // The background at a line, between the middles of two sectors.
 BARRIER_INLINE float ground_at(const float turn, const float seen, const float usual,
-                              __constant const RimNumbers* n, __local const Levels* levels) {
+                               __constant const RimNumbers* n, __local const Levels* levels) {
   const float place = turn * (0.25f * RIM_LEVEL_SECTORS) - 0.5f;
   const int sector = (int)floor(place);
   const float t = place - (float)sector;
@@ -38,8 +38,8 @@ BARRIER_INLINE float ground_at(const float turn, const float seen, const float u
 
 // Which of the lines are kept, in `kept_line`; of one work-item.
 BARRIER_INLINE void choose_lines(__local const uchar* kind, const int count, const int cast,
-                                __constant const RimNumbers* n, __local short* kept_line,
-                                __local Kept* out) {
+                                 __constant const RimNumbers* n, __local short* kept_line,
+                                 __local Kept* out) {
   const int gap = (int)(n->gap_of_rim * (float)cast);
   int kept = 0, breaks = 0;
   int blocked = -n->beside - 1;  // the last line with something else outside
@@ -67,18 +67,19 @@ BARRIER_INLINE void choose_lines(__local const uchar* kind, const int count, con
 
 // `wanted`: 0 where none is to be kept. None is where they are too few for a fit.
 BARRIER_INLINE void keep_clear_lines(__global const float* lines, const int count, const int cast,
-                                     const int wanted, __constant const RimNumbers* n, __local const Levels* levels,
-                                     __global float* kept, __local uchar* kind,
-                                     __local short* kept_line, __local Kept* out) {
+                                     const int wanted, __constant const RimNumbers* n,
+                                     __local const Levels* levels, __global float* kept,
+                                     __local uchar* kind, __local short* kept_line,
+                                     __local Kept* out) {
   const int item = (int)get_local_id(0);
   const float usual = levels->usual, noise = levels->noise;
   for (int i = item; i < count; i += GROUP) {
     const float seen = LEVEL(lines, RIM_SAMPLES - 1)[i];
     const float ground = ground_at(TURN(lines)[i], seen, usual, n, levels);
     const float contrast = light_at(levels->light, COS(lines)[i], SIN(lines)[i]) - ground;
-    const int clear =
-        contrast > n->clear_contrast * usual && contrast > n->clear_contrast_noise * noise &&
-        fabs(seen - ground) < n->clear_tolerance * contrast + n->clear_noise * noise;
+    const int clear = contrast > n->clear_contrast * usual &&
+                      contrast > n->clear_contrast_noise * noise &&
+                      fabs(seen - ground) < n->clear_tolerance * contrast + n->clear_noise * noise;
     const float inside = rise_of(lines, i) + seen - ground;
     const int shows = inside >= fmax(n->nothing * contrast, n->nothing_noise * noise);
     kind[i] = !clear ? LINE_BLOCKED : shows ? LINE_SHOWS : LINE_BARE;

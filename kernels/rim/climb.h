@@ -30,7 +30,7 @@ typedef struct Known {
 } Known;
 
 BARRIER_INLINE void add_known(Known* known, const float* direction, const float value,
-                             const float sd) {
+                              const float sd) {
   const float weight = 1.0f / (sd * sd);
 #pragma unroll 1
   for (int i = 0; i < 5; ++i) {
@@ -40,7 +40,7 @@ BARRIER_INLINE void add_known(Known* known, const float* direction, const float 
 }
 
 BARRIER_INLINE void know(const RimTask* task, __constant const RimNumbers* n,
-                        __local const float* delta, const int ellipse, Known* known) {
+                         __local const float* delta, const int ellipse, Known* known) {
 #pragma unroll 1
   for (int i = 0; i < 5; ++i) {
     for (int j = 0; j < 5; ++j) known->precision[i][j] = 0.0f;
@@ -78,7 +78,7 @@ BARRIER_INLINE float product_of(__local const float* waves, const int i, const i
 
 // How much wider the score scatters than that of independent lines (host/circle/rim/rim_prior.h).
 BARRIER_INLINE float inflation(__local const LineSums* sums, __constant const RimNumbers* n,
-                              const float per_px, const int parameters) {
+                               const float per_px, const int parameters) {
   float between = 0.0f, common = 0.0f;
   int used = 0;
   const float per_sq = per_px * per_px;
@@ -96,9 +96,9 @@ BARRIER_INLINE float inflation(__local const LineSums* sums, __constant const Ri
 
 // The step to where gradient and curvature put the greatest likelihood; 0 where there is none.
 BARRIER_INLINE int solve_step(const RimTask* task, __constant const RimNumbers* n,
-                             __local const LineSums* sums, const float per_px, const float wider,
-                             const float newton, const int ellipse, __local Climb* climb,
-                             float* by) {
+                              __local const LineSums* sums, const float per_px, const float wider,
+                              const float newton, const int ellipse, __local Climb* climb,
+                              float* by) {
   Known known;
   know(task, n, climb->delta, ellipse, &known);
   const int row_of[5] = {1, 2, 0, 3, 4};  // of the scores by waves
@@ -211,10 +211,9 @@ BARRIER_INLINE void take_step(const RimTask* task, __global const float* model,
 BARRIER_INLINE void climb_up(const RimTask* task, __global const float* kept,
                              __global const float* model, __constant const RimNumbers* n,
                              __local const Kept* lines, const int ellipse, const int first,
-                             __global float* evidence, __local float* score,
-                             __local float* hessian, __local uchar* point, __local float* scratch,
-                             __local LineSums* sums, __local Climb* climb,
-                             __global RimShape* out) {
+                             __global float* evidence, __local float* score, __local float* hessian,
+                             __local uchar* point, __local float* scratch, __local LineSums* sums,
+                             __local Climb* climb, __global RimShape* out) {
   const int item = (int)get_local_id(0);
   const float per_px = 1.0f / task->step;
   barrier(CLK_LOCAL_MEM_FENCE);

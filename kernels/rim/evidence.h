@@ -19,7 +19,8 @@
 
 // A model's quadratics in the profile, ln p or its slope, by kind. What is long and not often run
 // stays a loop in these files, which is less for a driver to compile.
-BARRIER_INLINE float8 form_of(__global const float* form, const float* profile, const float weight) {
+BARRIER_INLINE float8 form_of(__global const float* form, const float* profile,
+                              const float weight) {
   float8 sum = vload8(0, form);
   int row = 1;
 #pragma unroll 1
@@ -51,12 +52,13 @@ BARRIER_INLINE float8 get_kinds(__global const float* rows) {
 
 // Excess of a line where the rim is moved by `shift`, steps.
 BARRIER_INLINE float excess_of(const float c, const float s, __local const float* shift,
-                              const float per_step) {
+                               const float per_step) {
   return per_step * (c * shift[0] + s * shift[1] + shift[2] + (c * c - s * s) * shift[3] +
                      2.0f * c * s * shift[4]);
 }
 
-// The evidence of all lines about their excesses at `delta`, px; others may read it behind a barrier.
+// The evidence of all lines about their excesses at `delta`, px; others may read it behind a
+// barrier.
 BARRIER_INLINE void make_evidence(__global const float* kept, const int count,
                                   __global const float* model, __constant const RimNumbers* n,
                                   const float per_px, __local const float* delta,
@@ -107,13 +109,14 @@ typedef struct LineSums {
 // Lines that are summed together, of which a first step looks at one in so many.
 #define LINE_BLOCK 8
 
-// What the lines say at `delta`, or every so many blocks of them. `score`, `hessian`, `point`: memory for MAX_LINES of each.
+// What the lines say at `delta`, or every so many blocks of them. `score`, `hessian`, `point`:
+// memory for MAX_LINES of each.
 BARRIER_INLINE void sum_lines(__global const float* kept, __global const float* evidence,
                               const float stray, const float per_px, __local const float* delta,
                               __local const float* shares, const int every,
-                              __local const Kept* lines,
-                              __local float* score, __local float* hessian, __local uchar* point,
-                              __local float* scratch, __local LineSums* sums) {
+                              __local const Kept* lines, __local float* score,
+                              __local float* hessian, __local uchar* point, __local float* scratch,
+                              __local LineSums* sums) {
   const int item = (int)get_local_id(0);
   if (item == 0) sums->far = sums->lines = 0;
   barrier(CLK_LOCAL_MEM_FENCE);

@@ -6,9 +6,11 @@
 // what these say (evidence.h), and the circle and ellipse of the greatest likelihood (climb.h). As
 // host/circle/rim has it, which is the reference; whatever does not settle is left to that.
 //
-// pixels: (slots, height, width); model: RIM_MODEL numbers; room: for every task ROOM_ROWS
-// rows of MAX_LINES, which is at least its lines. One group a task.
-#define ROOM_ROWS (LINE_ROWS + KEPT_ROWS + EVIDENCE_ROWS)
+// pixels: (slots, height, width); model: RIM_MODEL numbers; room: for every task RIM_ROOM rows of
+// MAX_LINES, which is at least its lines. One group a task.
+#if LINE_ROWS + KEPT_ROWS + EVIDENCE_ROWS != RIM_ROOM
+#error "RIM_ROOM does not hold a rim"
+#endif
 
 __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void follow_rims(
     __global const PIXEL* pixels, const int width, const int height, __global const RimTask* tasks,
@@ -27,7 +29,7 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void follow_rims(
   __local Climb climb;
   const RimTask task = tasks[which];
   __global const PIXEL* picture = pixels + (size_t)task.slot * width * height;
-  __global float* lines = room + which * ROOM_ROWS * MAX_LINES;
+  __global float* lines = room + which * RIM_ROOM * MAX_LINES;
   __global float* kept = lines + LINE_ROWS * MAX_LINES;
   __global float* evidence = kept + KEPT_ROWS * MAX_LINES;
   __global RimFound* out = found + which;

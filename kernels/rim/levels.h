@@ -11,9 +11,9 @@ typedef struct Levels {
   float ground[RIM_LEVEL_SECTORS];  // first the medians, by sector
   float light[5];
   float noise, usual, ground_median;
-  float scalar;                           // of whoever looks for one
-  int count[RIM_LEVEL_SECTORS + 1];       // of a sector's lines, or deep lines
-  int begin[RIM_LEVEL_SECTORS + 1];       // the first of them
+  float scalar;                      // of whoever looks for one
+  int count[RIM_LEVEL_SECTORS + 1];  // of a sector's lines, or deep lines
+  int begin[RIM_LEVEL_SECTORS + 1];  // the first of them
   float medians[RIM_LEVEL_SECTORS];
   float weight[RIM_LEVEL_SECTORS], weighted[RIM_LEVEL_SECTORS];
   float basis[RIM_LEVEL_SECTORS][5];
@@ -112,10 +112,10 @@ BARRIER_INLINE void ground_levels(__global const float* lines, const int count,
   barrier(CLK_LOCAL_MEM_FENCE);
   const float window = n->ground_noise * levels->noise + n->ground_least;
   for (int b = item; b < RIM_LEVEL_SECTORS; b += GROUP) {
-    levels->medians[b] =
-        levels->count[b] == 0 ? 0.0f
-                              : near_quantile(values + levels->begin[b], levels->count[b], 0.5f,
-                                              n->ground_tolerance * window);
+    levels->medians[b] = levels->count[b] == 0
+                             ? 0.0f
+                             : near_quantile(values + levels->begin[b], levels->count[b], 0.5f,
+                                             n->ground_tolerance * window);
   }
   barrier(CLK_LOCAL_MEM_FENCE);
   for (int b = item; b < RIM_LEVEL_SECTORS; b += GROUP) {
@@ -235,8 +235,7 @@ BARRIER_INLINE void fit_light(__global const float* lines, __constant const RimN
       } else if (levels->count[b] > 0) {
         float off = levels->medians[b];
         for (int m = 0; m < 5; ++m) off -= levels->light[m] * levels->basis[b][m];
-        const int dark =
-            pass > 0 && off <= -n->below * (levels->light[0] - levels->ground_median);
+        const int dark = pass > 0 && off <= -n->below * (levels->light[0] - levels->ground_median);
         weight = dark ? n->below_weight : 1.0f;
         weighted = weight * levels->medians[b];
       }

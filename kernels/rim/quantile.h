@@ -24,7 +24,7 @@ BARRIER_INLINE float ranked(__local const float* values, const int count, const 
 // The value below which the share `q` of the values, one at least, lies, to half of `tolerance`; of
 // one work-item alone.
 BARRIER_INLINE float near_quantile(__local const float* values, const int count, const float q,
-                                  const float tolerance) {
+                                   const float tolerance) {
   float low = values[0], high = values[0];
   for (int i = 1; i < count; ++i) {
     low = fmin(low, values[i]);

@@ -28,6 +28,9 @@ namespace impactdic {
 #define RIM_TABLE (2 * RIM_FORM + RIM_KINDS)
 #define RIM_MODEL (RIM_MODEL_HEAD + (2 * RIM_MODEL_REACH + 1) * RIM_TABLE)
 
+// Numbers of a line while its rim is followed: of the line, of one that is kept, of its evidence.
+#define RIM_ROOM (2 * (3 + RIM_SAMPLES) + 1 + 3 * RIM_KINDS)
+
 // A quarter of a rim: lines along v, one every so many u. u is along the rows and v along the
 // columns, or the other way round.
 typedef struct RimQuarter {
@@ -46,11 +49,11 @@ typedef struct RimQuarter {
 typedef struct RimTask {
   idic_int slot;  // of the picture
   RimQuarter quarter[4];
-  idic_int cast;       // lines in the picture or not
-  float sign;          // of grey levels, that makes the ball bright
+  idic_int cast;          // lines in the picture or not
+  float sign;             // of grey levels, that makes the ball bright
   float step, deep_step;  // px, of the samples and of the deep ones
-  float r, e1, e2;     // of the rim that the lines are cast about, px
-  idic_int oval;       // 1 where an ellipse is fitted first
+  float r, e1, e2;        // of the rim that the lines are cast about, px
+  idic_int oval;          // 1 where an ellipse is fitted first
   // What is known: the radius less the one above and its deviation (0: not known), px; the unit
   // vector of e1 and e2 that the long axis has (both 0: not known).
   float radius_off, radius_sd, axis1, axis2;
@@ -70,7 +73,7 @@ typedef struct RimNumbers {
   float nothing, nothing_noise, gap_of_rim;
   idic_int beside, beside_hidden;
   // The lines, and the fit.
-  float least_noise, last_turn, narrow;
+  float last_turn, narrow;
   float reach, settled, newton, there, fine_from, fine_over, near, relinearise, share_worth;
   float common_px, transverse, round_px, axis_tilt, axis_px, least_radius_sd;
   idic_int rounds, steps, points_per_parameter, least_lines, deep_every, preview_every;

@@ -20,7 +20,6 @@ namespace impactdic::circle {
 namespace {
 
 constexpr int kGroup = 128;
-constexpr int kRoomRows = 45;  // ROOM_ROWS of follow.cl
 // Of local memory there.
 constexpr std::size_t kBytesOfLine = 11, kBytesOfDeepLine = 42, kOtherBytes = 10240;
 
@@ -228,14 +227,14 @@ std::vector<RimFound> RimFollower::run(const dic::DeviceFrames& frames,
   const auto row = static_cast<std::size_t>(most_lines(options_));
   tasks_.reserve(engine_, count);
   found_.reserve(engine_, count);
-  room_.reserve(engine_, count * kRoomRows * row);
+  room_.reserve(engine_, count * RIM_ROOM * row);
   tasks_.write(engine_, tasks);
   opencl::set_arguments(kernel_, frames.pixels().get(), frames.width(), frames.height(),
                         tasks_.get(), model_numbers_.get(), numbers_.get(), room_.get(),
                         found_.get());
   const double lines = static_cast<double>(count * row);
   engine_.launch(engine_.queue(), kernel_, cl::NDRange(count * kGroup), cl::NDRange(kGroup),
-                 {4 * kRoomRows * lines, 4000 * lines});
+                 {4 * RIM_ROOM * lines, 4000 * lines});
   std::vector<RimFound> found(count);
   found_.read(engine_, found);
   return found;
