@@ -102,7 +102,7 @@ TEST(DeviceCircles, ATrackIsTheSame) {
 TEST(DeviceCircles, WhatIsNotAsExpectedIsTheHosts) {
   std::vector<BallPose> poses;
   for (int k = 0; k < 100; ++k) poses.push_back(pose(60 + 0.4 * k, 64 + 0.1 * k, 1.1 * k));
-  poses[52] = pose(60 + 0.4 * 52 + 3.5, 64 + 0.1 * 52, 1.1 * 52);
+  poses[52] = pose(60 + 0.4 * 52 + 40, 64 + 0.1 * 52, 1.1 * 52);
   RenderedClip source(quick_ball(3, 40), scene_of(170, 150), poses);
   std::vector<Frame> frames(poses.size());
   for (std::size_t k = 0; k < frames.size(); ++k) {

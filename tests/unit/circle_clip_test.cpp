@@ -91,6 +91,37 @@ SynthScene noisy_scene(int side) {
 
 // The last frame lies as the first ones predict, so those between are followed from both: a circle
 // of the known radius fits what is left of a pressed ball's rim to a hundredth of a pixel.
+// Of a ball that falls by 2 px more in sixteen frames than in those before: a line between two
+// measured frames is a quarter of a pixel off.
+TEST(BallTracker, ExpectsFramesWhereAForceBendsTheWay) {
+  SynthScene scene;
+  scene.width = 180, scene.height = 220;
+  scene.noise_sigma = 2;
+  const sim::speckle::BallRenderer renderer(sim::speckle::paint_ball("c2", 7, 50), scene);
+  std::vector<Frame> frames(80);
+  std::vector<BallPose> poses;
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    const auto t = static_cast<double>(k);
+    poses.push_back({70 + 0.3 * t, 80 + 0.1 * t + 0.5 * 0.008 * t * t, 0.5 * t});
+    renderer.render(poses.back(), static_cast<std::int64_t>(k), frames[k]);
+  }
+  circle::BallTracker tracker;
+  std::vector<circle::CircleFit> fits(frames.size());
+  const circle::BallTracker::Plan plan = tracker.lead(frames, 0, fits);
+  const std::vector<circle::CirclePrior> expected = tracker.expected(plan);
+  ASSERT_EQ(expected.size(), plan.left.size());
+  int late = 0;
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    const std::size_t frame = plan.left[i].frame;
+    if (frame < 48) continue;  // once three frames sixteen apart are known
+    ++late;
+    EXPECT_NEAR(expected[i].predicted.cx_px, poses[frame].cx_px, 0.06) << frame;
+    EXPECT_NEAR(expected[i].predicted.cy_px, poses[frame].cy_px, 0.06) << frame;
+    EXPECT_LT(expected[i].centre_sd_px, 0.1) << frame;
+  }
+  EXPECT_EQ(late, 30);
+}
+
 TEST(BallTracker, SeesAContactBetweenRoundFrames) {
   constexpr int kFrames = 13;
   constexpr double kPressed = 60;
