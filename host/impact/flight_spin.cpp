@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "host/base/statistics.h"
+#include "host/impact/alike_in_a_row.h"
 #include "host/impact/flight/flight_data.h"
 
 namespace impactdic::impact {
@@ -59,8 +60,8 @@ class SpinOfPoses {
       });
     }
     if (!fit()) return std::nullopt;
-    return FlightSpin{usual_ + slope_, std::max(scatter_, 1.0) / std::sqrt(spread_),
-                      kLinkDrift * usual_sd_ / std::sqrt(spans_)};
+    const double noise_sd = std::max(scatter_, 1.0) * std::sqrt(alike() / spread_);
+    return FlightSpin{usual_ + slope_, noise_sd, kLinkDrift * usual_sd_ / std::sqrt(spans_)};
   }
 
  private:
@@ -83,6 +84,18 @@ class SpinOfPoses {
       for (const Angle& angle : group.angles) all.push_back(std::abs(residual(group, angle)));
     }
     return all;
+  }
+
+  // Dust that passes before the ball misleads the frames that it takes alike.
+  double alike() const {
+    std::vector<std::vector<double>> runs;
+    std::size_t count = 0;
+    for (const auto& [key, group] : groups_) {
+      std::vector<double>& run = runs.emplace_back();
+      for (const Angle& angle : group.angles) run.push_back(residual(group, angle) / angle.sd_rad);
+      count += run.size();
+    }
+    return alike_in_a_row(runs, beyond_chance(static_cast<double>(count)));
   }
 
   static double weight(const Angle& angle) { return 1 / (angle.sd_rad * angle.sd_rad); }

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 
 #include "host/base/statistics.h"
+#include "host/impact/alike_in_a_row.h"
 
 namespace impactdic::impact {
 namespace {
@@ -138,16 +140,10 @@ class Line {
   double mean() const { return mean_; }
   Measured slope() const {
     const std::vector<double> r = residuals();
-    double squares = 0, products = 0;
+    double squares = 0;
     for (const double x : r) squares += x * x;
-    // How many residuals count as one: the sum of their correlations (Sokal 1997).
-    for (std::size_t lag = 1; lag < r.size(); ++lag) {
-      double product = 0;
-      for (std::size_t i = 0; i + lag < r.size(); ++i) product += r[i] * r[i + lag];
-      if (!(product > 0.05 * squares)) break;
-      products += product;
-    }
-    const double variance = (squares + 2 * products) / static_cast<double>(r.size() - 2);
+    const double variance =
+        squares * alike_in_a_row(std::span(&r, 1), 0.05) / static_cast<double>(r.size() - 2);
     return {slope_, std::sqrt(variance / spread_)};
   }
 

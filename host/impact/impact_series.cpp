@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "host/clip/centre_on_body.h"
 #include "host/clip/track_row.h"
 
 namespace impactdic::impact {
@@ -110,13 +111,17 @@ ImpactSeries::ImpactSeries(const TrackRows& rows, double surface_angle_rad,
   position_n.reserve(rows.size());
   step_n.reserve(rows.size());
   bool any_motion = false, any_turn = false;
+  CentreOnBody centre;
+  is_elsewhere_.reserve(rows.size());
   for (const TrackRow& row : rows) {
-    const bool motion = has_motion(row);
+    is_elsewhere_.push_back(centre.is_elsewhere(row));
+    const bool motion = has_motion(row, position_n.size());
     any_motion |= motion;
     any_turn |= motion && std::isfinite(row.rot_x_deg);
     // Image axes have y down.
     const RimCentre rim = rim_centre(row);
-    position_n.push_back(row.circle_ok ? local(rim.x_px, rim.y_px)[1] : kNotMeasured);
+    position_n.push_back(has_place(row, position_n.size()) ? local(rim.x_px, rim.y_px)[1]
+                                                           : kNotMeasured);
     step_n.push_back(motion ? -s_ * row.dx_px - c_ * row.dy_px : kNotMeasured);
   }
   if (any_turn) sphere.emplace(rows, surface_angle_rad, known);
@@ -129,16 +134,25 @@ void ImpactSeries::use_centres() {
   for (std::size_t i = 0; i + 1 < size(); ++i) step_n[i] = position_n[i + 1] - position_n[i];
 }
 
+bool ImpactSeries::has_place(const TrackRow& row, std::size_t i) const {
+  return row.circle_ok && !is_elsewhere_[i];
+}
+
+bool ImpactSeries::has_motion(const TrackRow& row, std::size_t i) const {
+  const bool circle_errs = is_elsewhere_[i] && !std::isfinite(row.rot_x_deg);
+  return row.motion_ok && (circle_errs || impact::has_motion(row));
+}
+
 bool ImpactSeries::is_motion_lost(std::size_t first, std::size_t last) const {
   std::size_t lost = 0;
-  for (std::size_t i = first; i < last; ++i) lost += has_motion(rows_[i]) ? 0 : 1;
+  for (std::size_t i = first; i < last; ++i) lost += has_motion(rows_[i], i) ? 0 : 1;
   return 2 * lost > last - first;
 }
 
 double ImpactSeries::position_t(std::size_t i) const {
   const TrackRow row = rows_[i];
   const RimCentre rim = rim_centre(row);
-  return row.circle_ok ? local(rim.x_px, rim.y_px)[0] : kNotMeasured;
+  return has_place(row, i) ? local(rim.x_px, rim.y_px)[0] : kNotMeasured;
 }
 
 double ImpactSeries::position_sd(std::size_t i) const {
@@ -162,7 +176,7 @@ std::array<double, 2> ImpactSeries::rim_off(std::size_t first, std::size_t last)
 double ImpactSeries::step_t(std::size_t i) const {
   if (from_circle && i + 1 < size()) return position_t(i + 1) - position_t(i);
   const TrackRow row = rows_[i];
-  return has_motion(row) ? c_ * row.dx_px - s_ * row.dy_px : kNotMeasured;
+  return has_motion(row, i) ? c_ * row.dx_px - s_ * row.dy_px : kNotMeasured;
 }
 
 double ImpactSeries::step_sd(std::size_t i) const {
@@ -178,7 +192,7 @@ double ImpactSeries::origin_sd(std::size_t i) const {
 
 double ImpactSeries::turn(std::size_t i) const {
   const TrackRow row = rows_[i];
-  return has_motion(row) ? row.rot_deg * kRadPerDeg : kNotMeasured;
+  return has_motion(row, i) ? row.rot_deg * kRadPerDeg : kNotMeasured;
 }
 
 double ImpactSeries::turn_sd(std::size_t i) const { return rows_[i].rot_sd_deg * kRadPerDeg; }

@@ -98,7 +98,13 @@ class ImpactSeries {
   std::size_t size() const { return position_n.size(); }
 
  private:
+  // A circle that lies elsewhere on the body than the others tells no place. What contradicts it is
+  // a flat ball's motion, which keyframes bear out.
+  bool has_place(const TrackRow& row, std::size_t i) const;
+  bool has_motion(const TrackRow& row, std::size_t i) const;
+
   TrackRows rows_;
+  std::vector<bool> is_elsewhere_;
   double c_, s_;  // cosine and sine of the surface's angle
 };
 

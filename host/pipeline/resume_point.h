@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "host/circle/ball_tracker.h"
+#include "host/clip/centre_on_body.h"
 #include "host/motion/pose/keyframes.h"
 
 namespace impactdic::pipeline {
@@ -20,7 +21,8 @@ struct ResumePoint {
   // Of the windows' grid; absent before the first ball.
   std::optional<double> grid_radius_px;
   std::optional<motion::Keyframes::Memory>
-      keyframes;  // with the ball estimator, up to frame next_row
+      keyframes;        // with the ball estimator, up to frame next_row
+  CentreOnBody centre;  // before that frame
 };
 
 struct CorrelatePoint {

@@ -130,6 +130,7 @@ class ClipTracker {
                       last_ ? last_->repeats.back() : point_.repeated);
     compare_with_path(batch->rows);
     state_centres(*batch);
+    compare_with_poses(std::span(batch->rows).first(rows), point_.centre);
     for (std::size_t i = 0; i < rows; ++i) {
       motion::PairMotion* const pair = is_measured(*batch, i) ? &batch->pairs[i] : nullptr;
       // Not before: what a worker measured is slow to fetch, and is written next.

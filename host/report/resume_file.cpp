@@ -46,6 +46,15 @@ void each_of_fit(Field field, T& fit) {
 }
 
 template <typename Field, typename T>
+void each_of_centre(Field field, T& centre) {
+  field("origin", centre.origin);
+  field("circles", centre.circles);
+  field("x_px", centre.x_px);
+  field("y_px", centre.y_px);
+  field("variance_px2", centre.variance_px2);
+}
+
+template <typename Field, typename T>
 void each_of_correlate(Field field, T& point) {
   field("next_row", point.next_row);
   field("dx_px", point.dx_px);
@@ -116,6 +125,8 @@ pipeline::ResumePoint point_of(const json& described) {
     point.grid_radius_px = number_of(described.at("grid_radius_px"));
   }
   if (described.contains("keyframes")) point.keyframes = keyframes_of(described.at("keyframes"));
+  // Not of an older version.
+  if (described.contains("centre")) each_of_centre(Reader{described.at("centre")}, point.centre);
   if (described.contains("repeated")) point.repeated = described.at("repeated").get<bool>();
   return point;
 }
@@ -145,6 +156,9 @@ void check(const pipeline::ResumePoint& point) {
   });
   demand(!point.grid_radius_px || (is_usual(*point.grid_radius_px) && *point.grid_radius_px > 0));
   if (point.keyframes) check_keyframes(*point.keyframes, row);
+  demand(point.centre.origin >= -1 && point.centre.origin <= row && point.centre.circles >= 0);
+  demand(is_usual(point.centre.x_px) && is_usual(point.centre.y_px));
+  demand(is_usual(point.centre.variance_px2) && point.centre.variance_px2 >= 0);
 }
 
 // Throws where the file is damaged or `of` refuses what it says.
@@ -184,6 +198,8 @@ void write_resume_point(const std::filesystem::path& path, const pipeline::Resum
   described["tracker"] = describe(point.tracker);
   if (point.grid_radius_px) described["grid_radius_px"] = exact_number(*point.grid_radius_px);
   if (point.keyframes) described["keyframes"] = describe(*point.keyframes);
+  described["centre"] = json::object();
+  each_of_centre(Writer{described["centre"]}, point.centre);
   if (point.repeated) described["repeated"] = true;
   write_point(path, std::move(described));
 }

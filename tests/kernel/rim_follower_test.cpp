@@ -81,33 +81,47 @@ Both follow(const Shot& shot, double radius_px, const circle::CircleOptions& opt
   return both;
 }
 
-// Sums in another order, exponentials that are exact: hundredths of a deviation. How many frames
-// the device has told.
-int expect_alike(const Both& both, const std::string& what) {
-  int told = 0;
+// Frames that the device has told, and those of them of which it has kept another line.
+struct Told {
+  int frames = 0, by_other_lines = 0;
+  void operator+=(const Told& more) {
+    frames += more.frames, by_other_lines += more.by_other_lines;
+  }
+};
+
+// Sums in another order, exponentials that are exact: hundredths of a deviation. A line that is
+// clear to the one alone moves it by more.
+Told expect_alike(const Both& both, const std::string& what) {
+  Told told;
   for (std::size_t k = 0; k < both.device.size(); ++k) {
     SCOPED_TRACE(what + ", frame " + std::to_string(k));
     const auto& host = both.host[k];
     const auto& device = both.device[k];
     if (!device) continue;
-    ++told;
+    ++told.frames;
+    const bool other_lines = device->rim_points != host.rim_points;
+    told.by_other_lines += other_lines;
+    const double off = other_lines ? 0.3 : 0.02, by = other_lines ? 0.1 : 0.02;
     EXPECT_EQ(device->status, host.status);
     EXPECT_EQ(device->ellipse, host.ellipse);
-    EXPECT_NEAR(device->circle.cx_px, host.circle.cx_px, 0.02 * host.cx_sd_px);
-    EXPECT_NEAR(device->circle.cy_px, host.circle.cy_px, 0.02 * host.cy_sd_px);
-    EXPECT_NEAR(device->circle.r_px, host.circle.r_px, 0.02 * host.r_sd_px);
-    EXPECT_NEAR(device->cx_sd_px, host.cx_sd_px, 0.02 * host.cx_sd_px);
-    EXPECT_NEAR(device->cy_sd_px, host.cy_sd_px, 0.02 * host.cy_sd_px);
-    EXPECT_NEAR(device->r_sd_px, host.r_sd_px, 0.02 * host.r_sd_px);
-    EXPECT_NEAR(device->own_r_px, host.own_r_px, 0.02 * host.own_r_sd_px);
-    EXPECT_NEAR(device->own_r_sd_px, host.own_r_sd_px, 0.02 * host.own_r_sd_px);
+    EXPECT_NEAR(device->circle.cx_px, host.circle.cx_px, off * host.cx_sd_px);
+    EXPECT_NEAR(device->circle.cy_px, host.circle.cy_px, off * host.cy_sd_px);
+    EXPECT_NEAR(device->circle.r_px, host.circle.r_px, off * host.r_sd_px);
+    EXPECT_NEAR(device->cx_sd_px, host.cx_sd_px, by * host.cx_sd_px);
+    EXPECT_NEAR(device->cy_sd_px, host.cy_sd_px, by * host.cy_sd_px);
+    EXPECT_NEAR(device->r_sd_px, host.r_sd_px, by * host.r_sd_px);
+    EXPECT_NEAR(device->own_r_px, host.own_r_px, off * host.own_r_sd_px);
+    EXPECT_NEAR(device->own_r_sd_px, host.own_r_sd_px, by * host.own_r_sd_px);
     EXPECT_NEAR(device->circle.free_px, host.circle.free_px, 1e-3);
     EXPECT_NEAR(device->rim_fraction, host.rim_fraction, 0.005);
-    EXPECT_NEAR(device->residual_px, host.residual_px, 0.02 * host.residual_px);
+    EXPECT_NEAR(device->residual_px, host.residual_px, by * host.residual_px);
     EXPECT_EQ(device->rim_model, host.rim_model);
   }
   return told;
 }
+
+// Of one frame in fifty.
+void expect_few_others(const Told& told) { EXPECT_LE(50 * told.by_other_lines, told.frames); }
 
 SynthScene usual_scene() {
   SynthScene scene;
@@ -120,7 +134,8 @@ std::string name(const char* pattern, double radius_px) {
 }
 
 TEST(RimFollower, FollowsEveryPatternAsTheHostDoes) {
-  int told = 0, asked = 0;
+  Told told;
+  int asked = 0;
   for (const char* pattern : {"a1", "a2", "b1", "b3", "c2", "c3", "d1", "d3", "e1", "e2", "f1"}) {
     for (const double radius_px : {115.0, 47.0}) {
       const Both both = follow(film(pattern, radius_px, usual_scene()), radius_px, {});
@@ -129,7 +144,8 @@ TEST(RimFollower, FollowsEveryPatternAsTheHostDoes) {
     }
   }
   EXPECT_GE(asked, 20 * kFrames);
-  EXPECT_GE(told, asked - 2);
+  EXPECT_GE(told.frames, asked - 2);
+  expect_few_others(told);
 }
 
 // Of 12 bits, lit from one side, dark, behind a bar, also one as bright as the background; and what
@@ -150,7 +166,7 @@ TEST(RimFollower, FollowsInOtherLightAsTheHostDoes) {
   known.radius_px = 60.02;
   known.radius_sd_px = 0.01;
   known.compression_axis_rad = 0.4;
-  int told = 0;
+  Told told;
   for (const SynthScene& scene : {deep, lit, dark, behind, unseen}) {
     for (const char* pattern : {"a3", "c2", "d2"}) {
       const Shot shot = film(pattern, 60, scene);
@@ -161,7 +177,8 @@ TEST(RimFollower, FollowsInOtherLightAsTheHostDoes) {
       told += expect_alike(follow(shot, 60, round), name(pattern, 60) + ", round");
     }
   }
-  EXPECT_GE(told, 200);
+  EXPECT_GE(told.frames, 200);
+  expect_few_others(told);
 }
 
 // What is not there to follow is left to the host.

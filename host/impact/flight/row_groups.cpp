@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "host/impact/alike_in_a_row.h"
+
 namespace impactdic::impact {
 namespace {
 
@@ -101,22 +103,12 @@ double alike_in_a_row(const std::vector<Datum>& data, const std::vector<double>&
     if (!d.used || d.kind != kind) continue;
     rows[static_cast<std::size_t>(2 * d.flight + (d.normal ? 0 : 1))].push_back(residuals[i]);
   }
-  double variance = 0, sum = 0, count = 0;
+  double count = 0;
   for (auto& r : rows) {
     if (!sphere) remove_line(r);
-    for (const double x : r) variance += x * x, ++count;
+    count += static_cast<double>(r.size());
   }
-  const double least = sphere ? 0.05 : 3 / std::sqrt(count);
-  for (std::size_t lag = 1;; ++lag) {
-    double products = 0;
-    bool any = false;
-    for (const auto& r : rows) {
-      for (std::size_t i = 0; i + lag < r.size(); ++i) products += r[i] * r[i + lag], any = true;
-    }
-    if (!any || !(products > least * variance)) break;
-    sum += products / variance;
-  }
-  return 1 + 2 * sum;
+  return alike_in_a_row(rows, sphere ? 0.05 : beyond_chance(count));
 }
 
 }  // namespace impactdic::impact

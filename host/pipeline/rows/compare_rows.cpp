@@ -296,4 +296,11 @@ std::vector<bool> state_scatter(std::span<TrackRow> rows) {
   return changed;
 }
 
+void compare_with_poses(std::span<TrackRow> rows, CentreOnBody& centre) {
+  for (TrackRow& row : rows) {
+    const bool elsewhere = centre.is_elsewhere(row);
+    if (elsewhere && row.status == TrackStatus::kOk) row.status = TrackStatus::kInconsistent;
+  }
+}
+
 }  // namespace impactdic::pipeline

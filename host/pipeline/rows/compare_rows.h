@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "host/clip/centre_on_body.h"
 #include "host/clip/track_row.h"
 
 namespace impactdic::pipeline {
@@ -21,5 +22,8 @@ void compare_with_path(std::span<TrackRow> rows);
 // radii of frames that show a circle. Returns which rows' centres state more now. What circles have
 // alike (a light that all of them take for a part of the ball) does not show here.
 std::vector<bool> state_scatter(std::span<TrackRow> rows);
+// At last: rows whose circle lies elsewhere on the body than those before are kInconsistent.
+// `centre` goes along from call to call: `rows` follow those of the last one.
+void compare_with_poses(std::span<TrackRow> rows, CentreOnBody& centre);
 
 }  // namespace impactdic::pipeline
