@@ -242,6 +242,7 @@ class Search {
   bool casts(const FoundBall& ball, const FoundBall& dark) const {
     const bool plain =
         ball.rim_fraction > kCastShadow.much_rim ||
+        (ball.rim_fraction > kCastShadow.half_rim && ball.residual_px < kCastShadow.fair_px) ||
         (ball.rim_fraction > kCastShadow.least_rim && ball.residual_px < kCastShadow.clean_px);
     if (!plain || !may_cast(ball.circle, dark.circle) || is_still(ball.circle, ball.rim_fraction)) {
       return false;

@@ -68,8 +68,9 @@ struct CastShadowSettings {
   double found_sd[2] = {0.015, 0.04};  // scatter of the centre of what casts it, tried [hand]
   // A circle about both scatters by so much, and that of what casts the shadow by so much of it.
   double ragged_px = 1, of_ragged = 0.6;  // [hand]
-  // What casts it shows so much of its rim, or less of one that is clean [hand].
-  double much_rim = 0.6, least_rim = 0.4, clean_px = 0.15;
+  // What casts it shows so much of its rim, or less of one that is fair or clean [hand].
+  double much_rim = 0.6, half_rim = 0.5, least_rim = 0.4;
+  double fair_px = 0.4, clean_px = 0.15;
   double least_r_px = 20;  // of a shadow that pixels tell [hand]
   double rim = 0.1;  // what casts it shows no less of its rim than the shadow less so much, [hand]
   // or beside the shadow its rim is plain: so near it levels differ by so much of the shadow's
