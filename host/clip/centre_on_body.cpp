@@ -16,12 +16,11 @@ struct Place {
   double x_px, y_px;
 };
 
-Place on_body(const TrackRow& row) {
-  const double x = row.cx_px - row.pose.x_px, y = row.cy_px - row.pose.y_px;
-  if (!std::isfinite(row.pose.angle_rad)) return {x, y};  // a sphere's
-  // From x towards y, which points down, is a turn the other way.
-  const double c = std::cos(row.pose.angle_rad), s = std::sin(row.pose.angle_rad);
-  return {c * x - s * y, s * x + c * y};
+// Turned with the body, or back. From x towards y, which points down, is a turn the other way.
+Place turned(const Place& at, double angle_rad) {
+  if (!std::isfinite(angle_rad)) return at;  // a sphere's
+  const double c = std::cos(angle_rad), s = std::sin(angle_rad);
+  return {c * at.x_px + s * at.y_px, -s * at.x_px + c * at.y_px};
 }
 
 double mean_square(double x, double y) { return (x * x + y * y) / 2; }
@@ -31,13 +30,14 @@ double doubt_px2(const TrackRow& row) {
   return std::isfinite(px2) ? px2 : kUnseenStep_px * kUnseenStep_px;
 }
 
-bool contradicts(const TrackRow& row, const Place& at, double variance_px2,
-                 const CentreOnBody& centre) {
+CentreOnBody::Beside beside(const TrackRow& row, const Place& off, double variance_px2) {
   constexpr double kChance = 4, kOfRadius = 0.01, kOfEllipse = 0.5;
+  const double off_px = std::hypot(off.x_px, off.y_px);
+  const double by_chance_px = kChance * std::sqrt(variance_px2);
+  if (!(off_px > by_chance_px)) return {};
   const double ellipse_px = std::isfinite(row.e1_px) ? std::hypot(row.e1_px, row.e2_px) : 0;
-  const double by_chance_px = kChance * std::sqrt(centre.variance_px2 + variance_px2);
-  return std::hypot(at.x_px - centre.x_px, at.y_px - centre.y_px) >
-         by_chance_px + kOfRadius * row.r_px + kOfEllipse * ellipse_px;
+  const double by_outline_px = kOfRadius * row.r_px + kOfEllipse * ellipse_px;
+  return {off.x_px, off.y_px, off_px > by_chance_px + by_outline_px};
 }
 
 void tell(CentreOnBody& centre, const Place& at, double variance_px2) {
@@ -51,20 +51,23 @@ void tell(CentreOnBody& centre, const Place& at, double variance_px2) {
 
 }  // namespace
 
-bool CentreOnBody::is_elsewhere(const TrackRow& row) {
-  bool elsewhere = false;
+CentreOnBody::Beside CentreOnBody::compare(const TrackRow& row) {
+  Beside found;
   if (row.circle_ok && row.pose.ok && (circles == 0 || row.pose.origin == origin)) {
-    const Place at = on_body(row);
     const double px2 = mean_square(row.cx_sd_px, row.cy_sd_px);
+    const Place at = {row.cx_px - row.pose.x_px, row.cy_px - row.pose.y_px};
+    if (circles >= kFewestCircles) {
+      const Place told = turned({x_px, y_px}, row.pose.angle_rad);
+      found = beside(row, {at.x_px - told.x_px, at.y_px - told.y_px}, variance_px2 + px2);
+    }
     const bool tells = row.status == TrackStatus::kOk && !std::isfinite(row.e1_px) && px2 > 0;
-    elsewhere = circles >= kFewestCircles && contradicts(row, at, px2, *this);
-    if (tells && !elsewhere) {
+    if (tells && !found.elsewhere) {
       origin = row.pose.origin;
-      tell(*this, at, px2);
+      tell(*this, turned(at, -row.pose.angle_rad), px2);
     }
   }
   variance_px2 += doubt_px2(row);
-  return elsewhere;
+  return found;
 }
 
 }  // namespace impactdic

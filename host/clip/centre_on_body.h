@@ -15,11 +15,16 @@ struct CentreOnBody {
   int circles = 0;           // that have told it
   double x_px = 0, y_px = 0, variance_px2 = 0;
 
-  // Whether the circle of the next row lies elsewhere on the body than those before: beyond four
-  // deviations of both, a hundredth of the radius and half of what makes an ellipse of it, since
-  // the outline of a pressed ball need not lie about its centre. If not, and if it is a circle and
-  // the row ok, it tells the centre, too. What motions state adds to the variance from row to row.
-  bool is_elsewhere(const TrackRow& row);
+  // How far beside that place the circle of the next row lies, px, x right and y down: 0 within
+  // four deviations of both. `elsewhere`: also beyond a hundredth of the radius and half of what
+  // makes an ellipse of it, since the outline of a pressed ball need not lie about its centre.
+  struct Beside {
+    double x_px = 0, y_px = 0;
+    bool elsewhere = false;
+  };
+  // If it is not elsewhere, and if it is a circle and the row ok, it tells the centre, too. What
+  // motions state adds to the variance from row to row.
+  Beside compare(const TrackRow& row);
 };
 
 }  // namespace impactdic

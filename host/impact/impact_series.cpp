@@ -114,7 +114,7 @@ ImpactSeries::ImpactSeries(const TrackRows& rows, double surface_angle_rad,
   CentreOnBody centre;
   is_elsewhere_.reserve(rows.size());
   for (const TrackRow& row : rows) {
-    is_elsewhere_.push_back(centre.is_elsewhere(row));
+    is_elsewhere_.push_back(centre.compare(row).elsewhere);
     const bool motion = has_motion(row, position_n.size());
     any_motion |= motion;
     any_turn |= motion && std::isfinite(row.rot_x_deg);

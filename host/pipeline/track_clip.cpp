@@ -130,7 +130,6 @@ class ClipTracker {
                       last_ ? last_->repeats.back() : point_.repeated);
     compare_with_path(batch->rows);
     state_centres(*batch);
-    compare_with_poses(std::span(batch->rows).first(rows), point_.centre);
     for (std::size_t i = 0; i < rows; ++i) {
       motion::PairMotion* const pair = is_measured(*batch, i) ? &batch->pairs[i] : nullptr;
       // Not before: what a worker measured is slow to fetch, and is written next.
@@ -292,9 +291,12 @@ class ClipTracker {
   const BallLight& light() const { return options_.estimator.sphere_light; }
 
   // By what circles and motions say of each other, and with them what motions state.
-  void state_centres(TrackBatch& batch) const {
+  void state_centres(TrackBatch& batch) {
     // A motion that states no more than circles do tells nothing of them.
-    const std::vector<bool> changed = settle_centres(batch.rows, batch.pairs, !is_doubted());
+    std::vector<bool> changed = settle_centres(batch.rows, batch.pairs, !is_doubted());
+    // Not the last one, which comes once more.
+    const auto rows = std::span(batch.rows).first(batch.rows.size() - 1);
+    compare_with_poses(rows, point_.centre, changed);
     for (std::size_t i = 0; i + 1 < changed.size(); ++i) {
       if (!changed[i] || !is_measured(batch, i)) continue;
       state_motion(batch.rows[i], batch.rows[i + 1], batch.pairs[i], light(), is_doubted());

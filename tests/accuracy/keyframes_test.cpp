@@ -54,6 +54,42 @@ TEST(Keyframes, AGapIsBridged) {
   }
 }
 
+// Paint moved from one side of the ball to the other: its outline lies `off_px` to the right, its
+// speckles where they were.
+void move_outline(const BallPose& ball, double radius_px, double off_px, Frame& frame) {
+  for (int y = 0; y < frame.height(); ++y) {
+    for (int x = 0; x < frame.width(); ++x) {
+      const bool in_ball = std::hypot(x - ball.cx_px, y - ball.cy_px) < radius_px;
+      const bool in_outline = std::hypot(x - ball.cx_px - off_px, y - ball.cy_px) < radius_px;
+      if (in_ball != in_outline) frame.u8(x, y) = in_outline ? 200 : 30;
+    }
+  }
+}
+
+// A circle that is found behind the gap lies 5 px beside the ball, here because a hand has drawn it
+// there: where the ball was before tells where it is.
+TEST(Keyframes, AGapIsBridgedToAWrongCircle) {
+  const std::vector<BallPose> poses = path(24, 68);
+  std::vector<Frame> frames = render_frames(quick_ball(2, 50), noisy(140), poses);
+  std::fill_n(frames[10].u8.data(), frames[10].u8.size(), std::uint8_t{30});
+  pipeline::TrackOptions options;
+  options.estimator.estimator = Estimator::kBall;
+  for (std::size_t k = 11; k < 16; ++k) {
+    move_outline(poses[k], 50, 5, frames[k]);
+    options.ball.by_hand.push_back(
+        {static_cast<std::int64_t>(k), poses[k].cx_px + 5, poses[k].cy_px, 50});
+  }
+  MemoryClip clip(frames);
+  const auto rows = track(clip, options);
+  for (std::size_t k = 11; k < rows.size(); ++k) {
+    ASSERT_TRUE(rows[k].pose.ok) << k;
+    EXPECT_EQ(rows[k].pose.origin, 0) << k;
+    EXPECT_NEAR(rows[k].pose.angle_rad * kDegPerRad, poses[k].angle_deg - poses[0].angle_deg, 0.05);
+    EXPECT_NEAR(rows[k].pose.x_px, poses[k].cx_px, 0.1) << k;
+    EXPECT_NEAR(rows[k].cx_px, poses[k].cx_px + (k < 16 ? 5 : 0), 0.5) << k;
+  }
+}
+
 // A part of the ink goes and other ink comes in every frame, as on a ball that rolls out of sight.
 TEST(Keyframes, AChangingLookIsFollowedByNewKeyframes) {
   const std::vector<BallPose> poses = path(30, 68);

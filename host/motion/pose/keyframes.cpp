@@ -28,6 +28,23 @@ constexpr double kReach = 0.8, kLeastReach_rad = 0.1, kGrowth = 1.02;
 // Whether a motion leads from the frame to the next one.
 bool is_linked(const ChainedFrame& frame) { return frame.next != nullptr && frame.next->ok; }
 
+// Where a flat ball is behind a few frames in which it was lost, if it goes on as before: a circle
+// that is found behind them may lie elsewhere. `poses`: of the frames before.
+std::optional<BodyPose> behind_gap(std::span<const LinkedPose> poses) {
+  constexpr std::size_t kLongest = 8;
+  std::size_t lost = 0;
+  while (lost < poses.size() && !poses[poses.size() - 1 - lost].ok) ++lost;
+  if (lost == 0 || lost > kLongest || lost + 2 > poses.size()) return std::nullopt;
+  const BodyPose &last = poses[poses.size() - 1 - lost], &before = poses[poses.size() - 2 - lost];
+  if (!before.ok || before.origin != last.origin || is_sphere(last)) return std::nullopt;
+  const auto steps = static_cast<double>(lost + 1);
+  BodyPose near = last;
+  near.x_px += steps * (last.x_px - before.x_px);
+  near.y_px += steps * (last.y_px - before.y_px);
+  near.angle_rad += steps * (last.angle_rad - before.angle_rad);
+  return near;
+}
+
 }  // namespace
 
 void Keyframes::restore(Memory memory, const std::function<Frame(std::int64_t)>& read) {
@@ -229,15 +246,25 @@ bool Keyframes::fits(const BallMotion& motion, const Keyframe& key) const {
          (key.residual == 0 || motion.residual <= kMisfit * key.residual);
 }
 
-std::optional<LinkedPose> Keyframes::find_again(const ChainedFrame& frame, KeyframeSlots& slots) {
+std::optional<LinkedPose> Keyframes::find_near(const ChainedFrame& frame, const BodyPose& near,
+                                               KeyframeSlots& slots) {
+  Registered registered = measure({&frame, 1}, {near}, nullptr, slots);
+  const std::vector<LinkedPose> found = place({&frame, 1}, registered, {}, {}, slots);
+  return found.empty() ? std::nullopt : std::optional(found[0]);
+}
+
+std::optional<LinkedPose> Keyframes::find_again(const ChainedFrame& frame,
+                                                const std::optional<BodyPose>& near,
+                                                KeyframeSlots& slots) {
+  if (near) {
+    if (const auto found = find_near(frame, *near, slots)) return found;
+  }
   const auto key = std::max_element(
       memory_.keyframes.begin(), memory_.keyframes.end(),
       [](const Keyframe& a, const Keyframe& b) { return a.last_used < b.last_used; });
   for (const dic::RigidMotion& motion : sought(*key, frame, slots)) {
-    Registered registered =
-        measure({&frame, 1}, {moved(key->pose, key->circle, motion)}, nullptr, slots);
-    const std::vector<LinkedPose> found = place({&frame, 1}, registered, {}, {}, slots);
-    if (!found.empty()) return found[0];
+    const auto found = find_near(frame, moved(key->pose, key->circle, motion), slots);
+    if (found) return found;
   }
   return std::nullopt;
 }
@@ -270,10 +297,11 @@ std::vector<dic::RigidMotion> Keyframes::sought(const Keyframe& key, const Chain
   return motions;
 }
 
-LinkedPose Keyframes::start(const ChainedFrame& frame, KeyframeSlots& slots) {
+LinkedPose Keyframes::start(const ChainedFrame& frame, const std::optional<BodyPose>& near,
+                            KeyframeSlots& slots) {
   if (!frame.circle_ok) return {};
   if (!memory_.keyframes.empty()) {
-    if (const auto found = find_again(frame, slots)) return *found;
+    if (const auto found = find_again(frame, near, slots)) return *found;
   }
   // Only what can be followed is worth a beginning.
   return is_linked(frame) ? begin(frame) : LinkedPose{};
@@ -307,7 +335,7 @@ std::vector<BodyPose> Keyframes::follow(std::span<const ChainedFrame> frames, co
   std::set<std::size_t> failed;  // targets of `ahead`
   while (i < frames.size()) {
     if (i == 0 || !is_linked(frames[i - 1]) || !poses[i - 1].ok) {
-      poses[i] = start(frames[i], slots);
+      poses[i] = start(frames[i], behind_gap(std::span(poses).first(i)), slots);
       ++i;
       continue;
     }

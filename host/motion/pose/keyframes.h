@@ -106,8 +106,10 @@ class Keyframes {
   // frame was not registered.
   std::optional<ChainLink> link_to(std::int64_t next, const LinkedPose& pose,
                                    const ChainedFrame* step, const LinkedPose* closed) const;
-  // The pose of a frame to which no motion leads: found again, or a new chain's beginning.
-  LinkedPose start(const ChainedFrame& frame, KeyframeSlots& slots);
+  // The pose of a frame to which no motion leads: found again, or a new chain's beginning. `near`:
+  // where it may be, if anything tells.
+  LinkedPose start(const ChainedFrame& frame, const std::optional<BodyPose>& near,
+                   KeyframeSlots& slots);
   std::vector<BodyPose> follow(std::span<const ChainedFrame> frames, const Ahead* ahead,
                                KeyframeSlots& slots);
   // Poses expected of at most `most` frames from `first` on, up to one that has been registered.
@@ -144,8 +146,11 @@ class Keyframes {
   // Whether a rigid registration would err: a flat ball whose shape is another than a circle.
   bool is_strained(const ChainedFrame& frame, const Keyframe& key) const;
   bool fits(const BallMotion& motion, const Keyframe& key) const;
-  // Looks for the ball after a gap: the turn by rings about the circles.
-  std::optional<LinkedPose> find_again(const ChainedFrame& frame, KeyframeSlots& slots);
+  // Looks for the ball after a gap: near `near`, and by the turn of rings about the circles.
+  std::optional<LinkedPose> find_again(const ChainedFrame& frame,
+                                       const std::optional<BodyPose>& near, KeyframeSlots& slots);
+  std::optional<LinkedPose> find_near(const ChainedFrame& frame, const BodyPose& near,
+                                      KeyframeSlots& slots);
   // Motions from the keyframe to the frame that the pictures may show, likeliest first.
   std::vector<dic::RigidMotion> sought(const Keyframe& key, const ChainedFrame& frame,
                                        KeyframeSlots& slots);

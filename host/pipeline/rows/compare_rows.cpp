@@ -296,10 +296,21 @@ std::vector<bool> state_scatter(std::span<TrackRow> rows) {
   return changed;
 }
 
-void compare_with_poses(std::span<TrackRow> rows, CentreOnBody& centre) {
-  for (TrackRow& row : rows) {
-    const bool elsewhere = centre.is_elsewhere(row);
-    if (elsewhere && row.status == TrackStatus::kOk) row.status = TrackStatus::kInconsistent;
+void compare_with_poses(std::span<TrackRow> rows, CentreOnBody& centre,
+                        std::vector<bool>& changed) {
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    TrackRow& row = rows[i];
+    const CentreOnBody::Beside beside = centre.compare(row);
+    if (row.by_hand != ByHand::kNo) continue;  // somebody has looked at it
+    if (beside.elsewhere) {
+      if (row.status == TrackStatus::kOk) row.status = TrackStatus::kInconsistent;
+      continue;
+    }
+    const double x_sd_px = std::max(row.cx_sd_px, std::abs(beside.x_px));
+    const double y_sd_px = std::max(row.cy_sd_px, std::abs(beside.y_px));
+    changed[i] = changed[i] || x_sd_px > row.cx_sd_px || y_sd_px > row.cy_sd_px;
+    row.cx_sd_px = x_sd_px;
+    row.cy_sd_px = y_sd_px;
   }
 }
 

@@ -22,8 +22,9 @@ void compare_with_path(std::span<TrackRow> rows);
 // radii of frames that show a circle. Returns which rows' centres state more now. What circles have
 // alike (a light that all of them take for a part of the ball) does not show here.
 std::vector<bool> state_scatter(std::span<TrackRow> rows);
-// At last: rows whose circle lies elsewhere on the body than those before are kInconsistent.
-// `centre` goes along from call to call: `rows` follow those of the last one.
-void compare_with_poses(std::span<TrackRow> rows, CentreOnBody& centre);
+// At last: a circle that lies beside where those before have it on the body states by how much, and
+// its row is kInconsistent where it lies elsewhere. `centre` goes along from call to call: `rows`
+// follow those of the last one. Sets `changed` where centres state more now.
+void compare_with_poses(std::span<TrackRow> rows, CentreOnBody& centre, std::vector<bool>& changed);
 
 }  // namespace impactdic::pipeline

@@ -36,7 +36,7 @@ std::vector<TrackRow> flight(std::size_t count, bool sphere = false) {
 // How many of the rows, which follow those before, have their circle elsewhere.
 std::size_t elsewhere(std::span<const TrackRow> rows, CentreOnBody& centre) {
   std::size_t count = 0;
-  for (const TrackRow& row : rows) count += centre.is_elsewhere(row) ? 1 : 0;
+  for (const TrackRow& row : rows) count += centre.compare(row).elsewhere ? 1 : 0;
   return count;
 }
 std::size_t elsewhere(std::span<const TrackRow> rows) {
@@ -76,6 +76,19 @@ TEST(CentreOnBody, AnOutlineNeedNotLieAboutTheCentre) {
   EXPECT_NEAR(centre.x_px, 0.1, 1e-9);  // told by circles alone
   for (std::size_t i = 40; i < 70; ++i) rows[i].cx_px += 0.4;
   EXPECT_EQ(elsewhere(rows), 30u);
+}
+
+// Beyond chance, but not elsewhere: by so much, whichever way the ball has turned.
+TEST(CentreOnBody, SaysHowFarACircleLiesBesideIt) {
+  std::vector<TrackRow> rows = flight(60);
+  for (std::size_t i = 40; i < 60; ++i) rows[i].cx_px += 0.3, rows[i].cy_px -= 0.1;
+  CentreOnBody centre;
+  for (std::size_t i = 0; i < 41; ++i) {
+    const CentreOnBody::Beside beside = centre.compare(rows[i]);
+    EXPECT_NEAR(beside.x_px, i < 40 ? 0 : 0.3, 1e-9) << i;
+    EXPECT_NEAR(beside.y_px, i < 40 ? 0 : -0.1, 1e-9) << i;
+    EXPECT_FALSE(beside.elsewhere) << i;
+  }
 }
 
 // What is not known well contradicts nothing: motions that may all be off, a rough circle, few
