@@ -46,7 +46,7 @@ enum class TrackStatus {
   kLowCorrelation,  // too few windows were found again in the next frame
   kOutOfView,       // the ball has left the picture
   kLastFrame,       // the circle is measured; there is no next frame to move to
-  kInconsistent,    // the measured motion is not that of the circle's centre, beyond chance
+  kInconsistent,    // motion, circle and place on keyframes contradict each other, beyond chance
   kRepeated,        // this frame, or the next one, is the picture before it, or a part of it
 };
 const char* to_string(TrackStatus status);
