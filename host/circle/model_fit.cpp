@@ -97,11 +97,6 @@ class Learner {
     const double share = is_evenly_lit(trace_) ? kSphere.of_even_correction : kSphere.of_correction;
     model_->set_light_sd_px(tells ? std::min(share * by_px, most) : usual);
   }
-  // Another body, about as likely, has this radius.
-  void doubt_body(double other_px) {
-    const double by_px = std::abs(fit_.own.r_px - other_px);
-    model_->set_light_sd_px(std::max(model_->light_sd_px(), by_px));
-  }
 
  private:
   RimTexture texture() const {
@@ -304,12 +299,7 @@ ModelFit learn_rim(const Frame& frame, const RimFit& known, const RimSearch& sea
       sphere.fit.ok && !(of_disc && *as_sphere.log_likelihood() < *of_disc + above());
   if (!is_sphere && disc.fit.ok) return disc;
   if (!is_sphere) sphere = {};
-  if (is_sphere) {
-    as_sphere.doubt_correction(as_disc.radius_px());
-    const bool plainly = options.sphere || !of_disc || !is_evenly_lit(other) ||
-                         *as_sphere.log_likelihood() > *of_disc + kSphere.likelier_plainly;
-    if (!plainly) as_sphere.doubt_body(*as_disc.radius_px());
-  }
+  if (is_sphere) as_sphere.doubt_correction(as_disc.radius_px());
   // The light of an outline is found from more of the ball.
   const Rim& rim = is_sphere ? sphere.fit.rim : known.rim;
   LineRequest request{search.polarity, step_px_of(search.blur_px, rim.r), options.rays};

@@ -56,7 +56,7 @@ CentreOnBody::Beside CentreOnBody::compare(const TrackRow& row) {
   if (row.circle_ok && row.pose.ok && (circles == 0 || row.pose.origin == origin)) {
     const double px2 = mean_square(row.cx_sd_px, row.cy_sd_px);
     const Place at = {row.cx_px - row.pose.x_px, row.cy_px - row.pose.y_px};
-    if (circles >= kFewestCircles) {
+    if (circles >= kFewestCircles && row.by_hand == ByHand::kNo) {
       const Place told = turned({x_px, y_px}, row.pose.angle_rad);
       found = beside(row, {at.x_px - told.x_px, at.y_px - told.y_px}, variance_px2 + px2);
     }

@@ -16,8 +16,9 @@ struct CentreOnBody {
   double x_px = 0, y_px = 0, variance_px2 = 0;
 
   // How far beside that place the circle of the next row lies, px, x right and y down: 0 within
-  // four deviations of both. `elsewhere`: also beyond a hundredth of the radius and half of what
-  // makes an ellipse of it, since the outline of a pressed ball need not lie about its centre.
+  // four deviations of both, and where somebody has looked at it. `elsewhere`: also beyond a
+  // hundredth of the radius and half of what makes an ellipse of it, since the outline of a pressed
+  // ball need not lie about its centre.
   struct Beside {
     double x_px = 0, y_px = 0;
     bool elsewhere = false;

@@ -103,10 +103,7 @@ struct SphereSettings {
   // side of a ball. [measured] the same
   double lit_arc_of_r = 0.012;
   double likelier_known = -0.15;  // of a ball that is known to be a sphere [measured] the same
-  // So much more, or a plain light, leaves no doubt of it. [measured] sphere_grounds, discs and
-  // spheres of e2, 1 to 12
-  double likelier_plainly = 0.9;
-  double likelier = 0.02;  // of a line's ln p that a sphere must be above a disc [hand]
+  double likelier = 0.02;         // of a line's ln p that a sphere must be above a disc [hand]
 };
 inline constexpr SphereSettings kSphere;
 

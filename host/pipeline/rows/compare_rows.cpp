@@ -301,7 +301,6 @@ void compare_with_poses(std::span<TrackRow> rows, CentreOnBody& centre,
   for (std::size_t i = 0; i < rows.size(); ++i) {
     TrackRow& row = rows[i];
     const CentreOnBody::Beside beside = centre.compare(row);
-    if (row.by_hand != ByHand::kNo) continue;  // somebody has looked at it
     if (beside.elsewhere) {
       if (row.status == TrackStatus::kOk) row.status = TrackStatus::kInconsistent;
       continue;

@@ -94,6 +94,11 @@ TEST(CentreOnBody, SaysHowFarACircleLiesBesideIt) {
 // What is not known well contradicts nothing: motions that may all be off, a rough circle, few
 // circles before, those of rows that contradict each other.
 TEST(CentreOnBody, WhatIsInDoubtIsLeft) {
+  std::vector<TrackRow> by_hand = flight(41);
+  by_hand[40].cx_px += 0.9;
+  EXPECT_EQ(elsewhere(by_hand), 1u);
+  by_hand[40].by_hand = ByHand::kDrawn;
+  EXPECT_EQ(elsewhere(by_hand), 0u);
   std::vector<TrackRow> doubted = flight(100), rough = flight(100), few = flight(5);
   for (TrackRow& row : doubted) row.dx_sd_px = row.dy_sd_px = 0.1;
   for (std::size_t i = 40; i < 100; ++i) {
