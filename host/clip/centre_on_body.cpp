@@ -5,8 +5,6 @@
 namespace impactdic {
 namespace {
 
-// No circle is known better than this.
-constexpr double kExact_px = 1e-6;
 // Circles that have to tell the centre before any may contradict it.
 constexpr int kFewestCircles = 5;
 // What a step that was not measured may do to where the centre is on the body.
@@ -41,8 +39,8 @@ CentreOnBody::Beside beside(const TrackRow& row, const Place& off, double varian
 }
 
 void tell(CentreOnBody& centre, const Place& at, double variance_px2) {
-  const double known = centre.variance_px2 + kExact_px * kExact_px;
-  const double share = centre.circles == 0 ? 1 : known / (known + variance_px2);
+  const double share =
+      centre.circles == 0 ? 1 : centre.variance_px2 / (centre.variance_px2 + variance_px2);
   centre.x_px += share * (at.x_px - centre.x_px);
   centre.y_px += share * (at.y_px - centre.y_px);
   centre.variance_px2 = share * variance_px2;
