@@ -215,11 +215,20 @@ class Learner {
     const bool told = surface_ == Surface::kFlat && !hidden && apart > 0;
     const double uncertain = std::min(fit_.own.r_sd_px / kLearning.uncertain_px, 1.0);
     const double fine = told ? kLearning.of_apart * uncertain * apart : 0;
-    const double place_sd_px = std::hypot(error * usual, fine, kLearning.least_place_sd_px);
+    const double place_sd_px =
+        std::hypot(std::hypot(error * usual, fine), by_hairs_px(), kLearning.least_place_sd_px);
     // From frame to frame of one ball it comes out three times as large or as small: the rms of a
     // model that is learnt anew and of the one before.
     const double before = prior_.rim_model ? prior_.rim_model->place_sd_px() : place_sd_px;
     model_->set_place_sd_px(std::hypot(place_sd_px, before) / std::numbers::sqrt2);
+  }
+
+  // What hairs on the rim, each of its own length, misplace it by.
+  double by_hairs_px() const {
+    const double unseen = std::clamp(1 - fit_.bare / kLearning.hardly_bare, 0.0, 1.0);
+    const double alike =
+        std::clamp((fit_.wider - kLearning.alike_from) / kLearning.alike_over, 0.0, 1.0);
+    return kLearning.of_hairs * unseen * alike * std::abs(fit_.own.r_px - known_.rim.r);
   }
 
   const Frame& frame_;

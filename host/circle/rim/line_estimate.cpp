@@ -48,6 +48,10 @@ LineFit fit_of(const LineEstimate& best, const Rim& rim) {
   fit.own = best.own;
   fit.residual_px = best.scatter;
   fit.shares = best.shares;
+  double lines = 0;
+  for (const float kind : best.sums.kinds) lines += kind;
+  fit.bare = best.sums.kinds[0] / std::max(lines, 1e-9);
+  fit.wider = best.wider;
   fit.points = best.points;
   fit.arc = best.arc;
   return fit;

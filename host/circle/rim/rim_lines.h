@@ -99,6 +99,8 @@ struct LineFit {
   int points = 0;          // that have to do with the rim
   double arc = 0;          // share of the rim's kRimSectors sectors that hold such points
   KindShares shares{};
+  double bare = 0;   // share of the rim's lines that show bare paint alone
+  double wider = 1;  // see inflation
   // Where wanted: changes of ln σ of the edge that the lines ask for (WidthChange), and
   // RimModel::misfit.
   double width = 0, uneven_width = 0, misfit = 0;

@@ -70,6 +70,10 @@ struct LearningSettings {
   // [measured] whole discs of the sixteen patterns, seeds 1 to 3, blur 0.6, 0.8, 1.0 and 1.4 px:
   // docs/log/accuracy.md, "Fine and dense ink".
   double usual_apart_px = 0.06, of_apart = 0.4, uncertain_px = 0.01;
+  // Of a rim of hairs no line shows bare paint, neighbours err alike (`wider` of `inflation`), and
+  // crossings lie far inside it, to a share of which it is misplaced. [measured] four furry balls:
+  // 0 to 0.009 bare, wider by 2.3 to 7.5; of fine dots 0 to 0.03, by 1.0 to 2.8 where hardly any is
+  double hardly_bare = 0.02, alike_from = 1.5, alike_over = 1, of_hairs = 0.7;
   // Of a disc of whose rim a part is hidden or lies before a texture, over the radius squared: its
   // ink is learnt from what is left, and what adjoins the gap is no rim. [measured] light_accuracy
   // disc_unseen and disc_unseen_60, balls 1 to 60
