@@ -293,7 +293,8 @@ class ClipTracker {
   // By what circles and motions say of each other, and with them what motions state.
   void state_centres(TrackBatch& batch) {
     // A motion that states no more than circles do tells nothing of them.
-    std::vector<bool> changed = settle_centres(batch.rows, batch.pairs, !is_doubted());
+    std::vector<bool> changed =
+        settle_centres(batch.rows, batch.pairs, !is_doubted(), point_.centre);
     // Not the last one, which comes once more.
     const auto rows = std::span(batch.rows).first(batch.rows.size() - 1);
     compare_with_poses(rows, point_.centre, changed);

@@ -127,7 +127,8 @@ bool differ(std::span<const TrackRow> rows) {
 }
 
 // Rows that motions lead through from the first to the last.
-std::vector<bool> place_run(std::span<TrackRow> rows, std::span<motion::PairMotion> pairs) {
+std::vector<bool> place_run(std::span<TrackRow> rows, std::span<motion::PairMotion> pairs,
+                            std::vector<bool>::const_iterator elsewhere) {
   std::vector<Step> steps;
   for (std::size_t i = 0; i + 1 < rows.size(); ++i) steps.emplace_back(rows[i], pairs[i]);
   std::vector<Sums> others(rows.size());
@@ -135,6 +136,7 @@ std::vector<bool> place_run(std::span<TrackRow> rows, std::span<motion::PairMoti
     return static_cast<double>(to) - static_cast<double>(from);
   };
   for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (elsewhere[static_cast<std::ptrdiff_t>(i)]) continue;
     const Place own{rows[i].cx_px, rows[i].cy_px, rows[i].cx_sd_px, rows[i].cy_sd_px};
     Place place = own;
     for (std::size_t to = i; to < steps.size() && to < i + kBeside; ++to) {
@@ -163,15 +165,18 @@ std::vector<bool> place_run(std::span<TrackRow> rows, std::span<motion::PairMoti
 
 }  // namespace
 
-std::vector<bool> place_by_path(std::span<TrackRow> rows, std::span<motion::PairMotion> pairs) {
+std::vector<bool> place_by_path(std::span<TrackRow> rows, std::span<motion::PairMotion> pairs,
+                                const std::vector<bool>& elsewhere) {
   std::vector<bool> placed(rows.size());
   for (std::size_t first = 0, end = 0; first < rows.size(); first = end) {
     end = first + 1;
     while (end < rows.size() && is_part_of_path(rows[end - 1]) && rows[end].circle_ok) ++end;
     if (end - first < 2 || !differ(rows.subspan(first, end - first))) continue;
+    const auto at = static_cast<std::ptrdiff_t>(first);
     const std::vector<bool> of_run =
-        place_run(rows.subspan(first, end - first), pairs.subspan(first, end - first - 1));
-    std::copy(of_run.begin(), of_run.end(), placed.begin() + static_cast<std::ptrdiff_t>(first));
+        place_run(rows.subspan(first, end - first), pairs.subspan(first, end - first - 1),
+                  elsewhere.begin() + at);
+    std::copy(of_run.begin(), of_run.end(), placed.begin() + at);
   }
   return placed;
 }

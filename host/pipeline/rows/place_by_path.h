@@ -14,8 +14,9 @@ namespace impactdic::pipeline {
 // contact, behind a bar or enters the picture shows little of its rim, but its surface moves as
 // exactly as ever. The centre is their mean, by their variances, and states what it would be off
 // by if all of them erred alike, or more where they scatter by more. `pairs[i]` leads from row i to
-// the next; its motion is about the new centre then, and the row's is yet to be stated. Returns
-// which rows were placed.
-std::vector<bool> place_by_path(std::span<TrackRow> rows, std::span<motion::PairMotion> pairs);
+// the next; its motion is about the new centre then, and the row's is yet to be stated. Circles
+// that lie `elsewhere` on the body, row by row, place no other. Returns which rows were placed.
+std::vector<bool> place_by_path(std::span<TrackRow> rows, std::span<motion::PairMotion> pairs,
+                                const std::vector<bool>& elsewhere);
 
 }  // namespace impactdic::pipeline

@@ -41,13 +41,20 @@ void state_as_others(std::span<TrackRow> rows, std::vector<bool>& changed) {
   }
 }
 
+// Which circles lie elsewhere on the body than those before them. `centre`: a copy.
+std::vector<bool> lie_elsewhere(std::span<const TrackRow> rows, CentreOnBody centre) {
+  std::vector<bool> elsewhere;
+  for (const TrackRow& row : rows) elsewhere.push_back(centre.compare(row).elsewhere);
+  return elsewhere;
+}
+
 }  // namespace
 
 std::vector<bool> settle_centres(std::span<TrackRow> rows, std::span<motion::PairMotion> pairs,
-                                 bool placed) {
+                                 bool placed, const CentreOnBody& centre) {
   std::vector<bool> changed = state_scatter(rows);
   if (placed) {
-    const std::vector<bool> by_path = place_by_path(rows, pairs);
+    const std::vector<bool> by_path = place_by_path(rows, pairs, lie_elsewhere(rows, centre));
     for (std::size_t i = 0; i < rows.size(); ++i) changed[i] = changed[i] || by_path[i];
   }
   // Last: a path is led by circles that are known well, for whatever reason.

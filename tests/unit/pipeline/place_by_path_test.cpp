@@ -20,6 +20,8 @@ bool is_in_contact(std::size_t i) { return i >= kContact && i < kFree; }
 double true_x(std::size_t i) { return 50 + 0.7 * static_cast<double>(i); }
 double true_y(std::size_t i) { return 40 - 0.2 * static_cast<double>(i); }
 
+const std::vector<bool> kNowhereElse(kFrames);
+
 struct Path {
   std::vector<TrackRow> rows;
   std::vector<motion::PairMotion> pairs;
@@ -61,7 +63,7 @@ TEST(PlaceByPath, WhatAContactHidesTheFramesBesideItTell) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     Path path = contact(0.5, seed);
     const std::vector<TrackRow> before = path.rows;
-    const std::vector<bool> placed = pipeline::place_by_path(path.rows, path.pairs);
+    const std::vector<bool> placed = pipeline::place_by_path(path.rows, path.pairs, kNowhereElse);
     for (std::size_t i = 0; i < kFrames; ++i) {
       const TrackRow& row = path.rows[i];
       EXPECT_EQ(placed[i], is_in_contact(i)) << i;
@@ -87,7 +89,7 @@ TEST(PlaceByPath, WhatAContactHidesTheFramesBesideItTell) {
 
 TEST(PlaceByPath, WhatIsAsExactAsTheOthersStays) {
   Path path = contact(kCircle_px, 3);
-  const std::vector<bool> placed = pipeline::place_by_path(path.rows, path.pairs);
+  const std::vector<bool> placed = pipeline::place_by_path(path.rows, path.pairs, kNowhereElse);
   for (const bool row : placed) EXPECT_FALSE(row);
 }
 
@@ -97,7 +99,7 @@ TEST(PlaceByPath, NothingIsCarriedByAMotionThatIsNotSure) {
   for (const std::size_t i : {kContact - 1, kFree - 1}) {
     path.rows[i].status = TrackStatus::kInconsistent;
   }
-  const std::vector<bool> placed = pipeline::place_by_path(path.rows, path.pairs);
+  const std::vector<bool> placed = pipeline::place_by_path(path.rows, path.pairs, kNowhereElse);
   for (const bool row : placed) EXPECT_FALSE(row);
 }
 
@@ -106,8 +108,25 @@ TEST(PlaceByPath, NothingIsCarriedByMotionsThatLeadElsewhere) {
   Path path = contact(0.5, 7);
   for (motion::PairMotion& pair : path.pairs) pair.motion.dx_px += kCircle_px;
   const std::vector<TrackRow> before = path.rows;
-  pipeline::place_by_path(path.rows, path.pairs);
+  pipeline::place_by_path(path.rows, path.pairs, kNowhereElse);
   for (std::size_t i = 0; i < kFrames; ++i) EXPECT_EQ(path.rows[i].cx_px, before[i].cx_px) << i;
+}
+
+// A circle of another thing, that is as sure of itself as the others, drags none along.
+TEST(PlaceByPath, ACircleElsewhereOnTheBodyPlacesNoOther) {
+  Path path = contact(0.5, 9);
+  const std::size_t wrong = kFree;
+  path.rows[wrong].cx_px += 3;  // its motion is that of the point there
+  path.pairs[wrong].motion.dx_px += 3 * (std::cos(kTurn_rad) - 1);
+  path.pairs[wrong].motion.dy_px -= 3 * std::sin(kTurn_rad);
+  std::vector<bool> elsewhere(kFrames);
+  elsewhere[wrong] = true;
+  const std::vector<bool> placed = pipeline::place_by_path(path.rows, path.pairs, elsewhere);
+  for (std::size_t i = kContact; i < kFree; ++i) {
+    EXPECT_TRUE(placed[i]) << i;
+    EXPECT_NEAR(path.rows[i].cx_px, true_x(i), 4 * kCircle_px) << i;
+    EXPECT_LT(path.rows[i].cx_sd_px, 3 * kCircle_px) << i;
+  }
 }
 
 }  // namespace

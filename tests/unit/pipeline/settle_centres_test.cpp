@@ -20,7 +20,7 @@ std::vector<TrackRow> rows_of(std::size_t count, double sd_px) {
 
 std::vector<bool> settle(std::vector<TrackRow>& rows) {
   std::vector<motion::PairMotion> pairs(rows.size());
-  return pipeline::settle_centres(rows, pairs, true);
+  return pipeline::settle_centres(rows, pairs, true, {});
 }
 
 // What one frame's residuals tell of a deviation is rough.
