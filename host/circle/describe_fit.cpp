@@ -190,9 +190,10 @@ CircleFit describe(const Frame& frame, const ModelFit& m, const LineTrace& trace
   const double texture = std::min(1.0, trace.breaks / (1.0 + kJudge.texture_breaks));
   widen(result, texture * kJudge.texture_px, texture * kJudge.texture_radius_px);
   // Ink is mixed into a rim by how much it differs from what lies behind, which differs there.
-  const GroundRise rise = rise_of_ground(trace.levels.ground, trace.levels.usual);
-  result.cx_sd_px = std::hypot(result.cx_sd_px, kJudge.of_rise * rise.x * place);
-  result.cy_sd_px = std::hypot(result.cy_sd_px, kJudge.of_rise * rise.y * place);
+  const GroundRise rise = rise_of_ground(trace.levels.ground, trace.levels.usual, middle_of_lines);
+  const double by_ink_px = kJudge.of_rise * std::hypot(place, m.rim_model->light_sd_px());
+  result.cx_sd_px = std::hypot(result.cx_sd_px, rise.x * by_ink_px);
+  result.cy_sd_px = std::hypot(result.cy_sd_px, rise.y * by_ink_px);
   result.circle.free_px = free_distance(gap_rad, m.fit.rim);
   result.bright = bright;
   result.rim_model = m.rim_model;

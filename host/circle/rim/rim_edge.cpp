@@ -157,7 +157,7 @@ EdgeLevels find_edges(Rays& rays, RayLight& light, int n, int count, double r_px
   light.fit(ground, of_camera, count, rays.scratch);
   const float usual = light.at(0, 0) - ground;
   const EdgeLevels levels{of_camera / std::max(usual, 1e-6f), light.at(0, 0), ground,
-                          rise_of_ground(grounds, std::max(usual, 1e-6f))};
+                          rise_of_ground(grounds, std::max(usual, 1e-6f), middle_of_rays)};
   for (int i = 0; i < n; ++i) {
     rays.ball[i] = light.at(rays.cos[i], rays.sin[i]);
     const float seen = rays.row(i)[kLength - 1];

@@ -312,10 +312,19 @@ bool find_sphere_levels(const Frame& frame, const Rim& rim, const LineRequest& r
   return true;
 }
 
-GroundRise rise_of_ground(const std::array<float, kLevelSectors>& ground, float contrast) {
+double middle_of_rays(int sector) { return (sector + 0.5) * 2 * kPi / kLevelSectors; }
+
+double middle_of_lines(int sector) {
+  constexpr int kOfQuarter = kLevelSectors / 4;
+  const double tangent = 2 * (sector % kOfQuarter + 0.5) / kOfQuarter - 1;
+  return std::atan(tangent) + sector / kOfQuarter * (kPi / 2);
+}
+
+GroundRise rise_of_ground(const std::array<float, kLevelSectors>& ground, float contrast,
+                          double (*middle)(int sector)) {
   double x = 0, y = 0, mean = 0, squares = 0;
   for (int k = 0; k < kLevelSectors; ++k) {
-    const double angle = (k + 0.5) * 2 * kPi / kLevelSectors;
+    const double angle = middle(k);
     const auto level = static_cast<double>(ground[static_cast<std::size_t>(k)]);
     x += level * std::cos(angle) * 2 / kLevelSectors;
     y += level * std::sin(angle) * 2 / kLevelSectors;

@@ -57,8 +57,14 @@ inline float ground_between(float a, float b, float t, float seen, float contras
   return std::abs(seen - a) < std::abs(seen - b) ? a : b;
 }
 
-// Where the background's level rises evenly; an obstacle's does not.
-GroundRise rise_of_ground(const std::array<float, kLevelSectors>& ground, float contrast);
+// Directions of the middles of sectors, rad: of rays, which share the circle evenly from 0 on; of
+// lines, which share its quarters from −45° on by the tangent.
+double middle_of_rays(int sector);
+double middle_of_lines(int sector);
+// Where the background's level rises evenly; an obstacle's does not. `ground`: sector by sector,
+// whose middles lie at `middle`.
+GroundRise rise_of_ground(const std::array<float, kLevelSectors>& ground, float contrast,
+                          double (*middle)(int sector));
 
 // Background is `seen` outside, and the ball can be told from it.
 inline bool is_clear(float contrast, float usual_contrast, float seen, float ground, float noise) {

@@ -136,5 +136,27 @@ TEST(DenseInk, AModelKeepsWhatToldItsLight) {
   EXPECT_EQ(again.light_sd_px(), first.rim_model->light_sd_px());
 }
 
+// Ink is mixed into a rim by how much it differs from what lies behind it, on one side by more. The
+// rise was looked for 45 degrees beside where it is.
+TEST(DenseInk, AWallThatRisesAcrossMakesTheCentreUnsureAlongTheRise) {
+  for (const char* pattern : {"b2", "e2"}) {
+    for (const std::uint64_t seed : {1, 2, 3}) {
+      const BallPose pose = pose_at(0);
+      Frame frame = pictures(pattern, 60, seed, 1)[0];
+      for (int y = 0; y < kSide; ++y) {
+        for (int x = 0; x < kSide; ++x) {
+          const double out = std::hypot(x - pose.cx_px, y - pose.cy_px) - kRadius;
+          const double more = std::clamp(out + 0.5, 0.0, 1.0) * 0.35 * (x - pose.cx_px);
+          frame.u8.row(y)[x] = static_cast<std::uint8_t>(std::lround(frame.u8(x, y) + more));
+        }
+      }
+      const circle::CircleFit fit = measured(frame, pose);
+      ASSERT_TRUE(fit.rim_model) << pattern << seed;
+      EXPECT_GT(fit.cx_sd_px, 1.2 * fit.cy_sd_px) << pattern << seed;
+      EXPECT_LT(std::abs(fit.circle.cx_px - pose.cx_px), 4 * fit.cx_sd_px) << pattern << seed;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace impactdic
