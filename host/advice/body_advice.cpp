@@ -233,7 +233,7 @@ class Verdict {
     BodyAdvice advice;
     advice.body = out_of_plane_ ? Body::kSphere : Body::kDisc;
     advice.reason = reason;
-    if (!out_of_plane_) advice.unseen_tilt_rad = unseen_tilt_rad_;
+    if (!out_of_plane_) advice.unseen_tilt_rad = unseen_tilt_rad();
     advice.radius_px = radius_.value();
     // Far pairs of a short clip share their pictures, and with them their noise.
     advice.radius_sd_px =
@@ -271,6 +271,10 @@ class Verdict {
     bare_light_ = sphere::light_on_bare_paint(paint, noise).value_or(BallLight{});
   }
 
+  double unseen_tilt_rad() const {
+    return std::isfinite(unseen_of_free_rad_) ? unseen_of_free_rad_ : unseen_of_pressed_rad_;
+  }
+
   // Whether the ball turns out of the plane, in words.
   std::string decide() {
     char text[160];
@@ -284,7 +288,8 @@ class Verdict {
     for (const auto& [pair, step] : flat_) {
       const SlowTilt slow = slow_tilt(engine_, *pair, step, known_, far_);
       if (!slow.motion) {
-        unseen_tilt_rad_ = std::fmax(unseen_tilt_rad_, slow.unseen_rad);
+        double& unseen_rad = slow.is_pressed ? unseen_of_pressed_rad_ : unseen_of_free_rad_;
+        unseen_rad = std::fmax(unseen_rad, slow.unseen_rad);
         continue;
       }
       const dic::RigidMotion& tilted = *slow.motion;
@@ -310,7 +315,9 @@ class Verdict {
   double most_deg_ = 0, significant_ = 0;
   int measured_ = 0;
   bool out_of_plane_ = false;
-  double unseen_tilt_rad_ = kNotMeasured;  // the most that some pair's surroundings leave open
+  // The most that some pair's surroundings leave open: of a ball as it is, and of one that is
+  // pressed in one of the pictures.
+  double unseen_of_free_rad_ = kNotMeasured, unseen_of_pressed_rad_ = kNotMeasured;
   WeightedMean radius_, by_turns_, nearness_, blur_;
   std::vector<MovedBall> moved_;
   BallLight light_{};                                                   // by the best far pair

@@ -23,6 +23,8 @@ constexpr double kBeyondChance = 30;
 // Deviations between the two tilts a frame, and share of them, at most. Light that does not turn
 // looks like a tilt that does not grow.
 constexpr double kAlike = 5, kAlikeShare = 0.2;
+// How much more the ball is stretched one way than across it, from a picture to another.
+constexpr double kPressed = 0.002;
 constexpr double kLeastMoved_px = 0.06;  // that the ball's surface moves by
 // By how much the flat ball's squares exceed the sphere's, in variances of a pixel, and in shares
 // of themselves: chance leaves some units of the first, what no model has of light some thousandths
@@ -34,6 +36,7 @@ struct TiltAFrame {
   double beyond_chance = 0;                 // chi square of two degrees of freedom
   double moved_px = 0;                      // in all
   bool is_better = false;                   // than a flat ball
+  bool is_pressed = false;                  // as SlowTilt
   bool is_shown() const {
     return beyond_chance > kBeyondChance && moved_px > kLeastMoved_px && is_better;
   }
@@ -71,9 +74,10 @@ class FarLook {
     tilt.beyond_chance =
         std::pow(sphere->rot_x_rad / x_sd, 2) + std::pow(sphere->rot_y_rad / y_sd, 2);
     tilt.moved_px = std::hypot(sphere->rot_x_rad, sphere->rot_y_rad) * first_.r_px;
+    const auto flat = registered(flat_, flat_start(start));
     // Where no tilt is beyond chance nothing is to be compared.
-    tilt.is_better = tilt.beyond_chance > kBeyondChance &&
-                     is_better(*sphere, registered(flat_, flat_start(start)));
+    tilt.is_better = tilt.beyond_chance > kBeyondChance && is_better(*sphere, flat);
+    tilt.is_pressed = flat && std::hypot((flat->exx - flat->eyy) / 2, flat->exy) > kPressed;
     return tilt;
   }
 
@@ -197,6 +201,7 @@ SlowTilt slow_tilt(opencl::Engine& engine, const BallPair& pair, const dic::Rigi
     found.motion->rot_y_rad = farther->y_rad;
   } else {
     found.unseen_rad = std::hypot(farther->length_rad(), farther->sd_rad);
+    found.is_pressed = farther->is_pressed;
   }
   return found;
 }

@@ -11,6 +11,9 @@ struct SlowTilt {
   // Else what tilt there may be and not show, rad a frame; NaN where no picture could be
   // registered.
   double unseen_rad = kNotMeasured;
+  // The ball's shape differs in the two pictures, as where it is pressed in one of them. Taken for
+  // a tilt it makes up to a tenth of a degree a frame.
+  bool is_pressed = false;
 };
 
 // Pictures some frames apart show what adds up in between: a tilt of a thirtieth of a degree a
