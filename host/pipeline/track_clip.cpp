@@ -14,6 +14,7 @@
 #include "host/opencl/engine.h"
 #include "host/pipeline/device_workers.h"
 #include "host/pipeline/rows/compare_rows.h"
+#include "host/pipeline/rows/doubt_motions.h"
 #include "host/pipeline/rows/fill_row.h"
 #include "host/pipeline/rows/repeated_frames.h"
 #include "host/pipeline/rows/settle_centres.h"
@@ -292,12 +293,17 @@ class ClipTracker {
 
   // By what circles and motions say of each other, and with them what motions state.
   void state_centres(TrackBatch& batch) {
+    state_motions(batch, doubt_motions(batch.rows, batch.pairs));
     // A motion that states no more than circles do tells nothing of them.
     std::vector<bool> changed =
         settle_centres(batch.rows, batch.pairs, !is_doubted(), point_.centre);
     // Not the last one, which comes once more.
     const auto rows = std::span(batch.rows).first(batch.rows.size() - 1);
     compare_with_poses(rows, point_.centre, changed);
+    state_motions(batch, changed);
+  }
+
+  void state_motions(TrackBatch& batch, const std::vector<bool>& changed) const {
     for (std::size_t i = 0; i + 1 < changed.size(); ++i) {
       if (!changed[i] || !is_measured(batch, i)) continue;
       state_motion(batch.rows[i], batch.rows[i + 1], batch.pairs[i], light(), is_doubted());
