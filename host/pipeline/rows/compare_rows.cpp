@@ -24,12 +24,6 @@ struct Way {
 
 bool is_ellipse(const TrackRow& row) { return std::isfinite(row.e1_px); }
 
-// A contradiction is no reason to ask no further who is right.
-bool leads_on(const TrackRow& row) {
-  return is_part_of_path(row) ||
-         (row.status == TrackStatus::kInconsistent && row.motion_ok && row.circle_ok);
-}
-
 // The motions of rows `first` to `last`, not included, whose circle ends them.
 bool leads_elsewhere(std::span<const TrackRow> rows, std::size_t first, std::size_t last) {
   Way x, y;

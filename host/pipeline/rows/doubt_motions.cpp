@@ -8,7 +8,10 @@
 namespace impactdic::pipeline {
 namespace {
 
-constexpr double kSlopeChance = 6;
+// Deviations; of the motion, above which the circles are those of something else.
+constexpr double kSlopeChance = 6, kMostSlowed = 0.1;
+// The slope that steps of one px, each by chance, leave over n of them: this over n, squared.
+constexpr double kOfSteps = 1.2;
 
 // The circles less the motions up to them, along one axis: the same in all frames, but for errors.
 struct Offsets {
@@ -28,8 +31,9 @@ Offsets offsets(std::span<const TrackRow> run, double TrackRow::*place, double T
   return found;
 }
 
-// The slope about frame `of`, px a frame, where it is beyond chance; 0 otherwise.
-double slope_about(const Offsets& offsets, std::size_t of) {
+// The slope about frame `of`, px a frame, where it is beyond chance; 0 otherwise. `step_sd_px`: of
+// a motion.
+double slope_about(const Offsets& offsets, std::size_t of, double step_sd_px) {
   const std::size_t begin = of > kBeside ? of - kBeside : 0;
   const std::size_t end = std::min(of + kBeside + 1, offsets.off_px.size());
   if (end - begin <= kBeside) return 0;
@@ -42,7 +46,9 @@ double slope_about(const Offsets& offsets, std::size_t of) {
   }
   const double spread = tt - t * t / w, along = tx - t * x / w, slope = along / spread;
   const double scatter = (xx - x * x / w - slope * along) / static_cast<double>(end - begin - 2);
-  return slope * slope * spread > kSlopeChance * kSlopeChance * std::max(1.0, scatter) ? slope : 0;
+  const double by_steps = kOfSteps / static_cast<double>(end - begin) * step_sd_px * step_sd_px;
+  const double chance = std::max(1.0, scatter) / spread + by_steps;
+  return slope * slope > kSlopeChance * kSlopeChance * chance ? slope : 0;
 }
 
 }  // namespace
@@ -52,13 +58,16 @@ std::vector<bool> doubt_motions(std::span<const TrackRow> rows,
   std::vector<bool> doubted(rows.size());
   for (std::size_t first = 0, end = 0; first < rows.size(); first = end) {
     end = first + 1;
-    while (end < rows.size() && is_part_of_path(rows[end - 1]) && rows[end].circle_ok) ++end;
+    while (end < rows.size() && leads_on(rows[end - 1]) && rows[end].circle_ok) ++end;
     if (end - first <= kBeside || turns_in_space(rows[first])) continue;
     const auto run = rows.subspan(first, end - first);
     const Offsets along_x = offsets(run, &TrackRow::cx_px, &TrackRow::cx_sd_px, &TrackRow::dx_px);
     const Offsets along_y = offsets(run, &TrackRow::cy_px, &TrackRow::cy_sd_px, &TrackRow::dy_px);
     for (std::size_t i = 0; i + 1 < run.size(); ++i) {
-      const double x_px = slope_about(along_x, i), y_px = slope_about(along_y, i);
+      const double x_px = slope_about(along_x, i, run[i].dx_sd_px);
+      const double y_px = slope_about(along_y, i, run[i].dy_sd_px);
+      const double moved_px = std::hypot(run[i].dx_px, run[i].dy_px);
+      if (!(std::hypot(x_px, y_px) < kMostSlowed * moved_px)) continue;
       dic::RigidMotion& motion = pairs[first + i].motion;
       motion.dx_sd_px = std::hypot(motion.dx_sd_px, x_px);
       motion.dy_sd_px = std::hypot(motion.dy_sd_px, y_px);

@@ -12,7 +12,8 @@ namespace impactdic::pipeline {
 // What stands still on the sensor or before the ball (columns that differ, a veil, dirt on a
 // window) slows every motion alike, by less than one of them shows. Over up to twelve frames on
 // either side it adds up: where the circles leave the motions' path by a slope beyond six
-// deviations, the flat ball's motion there states that slope, px a frame. `pairs[i]` leads from row
+// deviations, and by less than a tenth of the motion, the flat ball's motion there states that
+// slope, px a frame. `pairs[i]` leads from row
 // i to the next. Returns which of them state more now: what their rows state is yet to follow.
 std::vector<bool> doubt_motions(std::span<const TrackRow> rows,
                                 std::span<motion::PairMotion> pairs);

@@ -22,4 +22,10 @@ inline bool is_part_of_path(const TrackRow& row) {
   return row.status == TrackStatus::kOk && row.motion_ok && row.circle_ok;
 }
 
+// Or contradicts the next one, which is no reason to ask no further who is right.
+inline bool leads_on(const TrackRow& row) {
+  return is_part_of_path(row) ||
+         (row.status == TrackStatus::kInconsistent && row.motion_ok && row.circle_ok);
+}
+
 }  // namespace impactdic::pipeline
