@@ -24,7 +24,7 @@ constexpr double kBeyondChance = 30;
 // looks like a tilt that does not grow.
 constexpr double kAlike = 5, kAlikeShare = 0.2;
 // How much more the ball is stretched one way than across it, from a picture to another.
-constexpr double kPressed = 0.002;
+constexpr double kPressed = 5e-4;
 constexpr double kLeastMoved_px = 0.06;  // that the ball's surface moves by
 // By how much the flat ball's squares exceed the sphere's, in variances of a pixel, and in shares
 // of themselves: chance leaves some units of the first, what no model has of light some thousandths
