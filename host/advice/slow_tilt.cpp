@@ -8,6 +8,7 @@
 
 #include "host/dic/device/ball.h"
 #include "host/motion/estimators.h"
+#include "host/motion/unseen_tilt.h"
 #include "host/sphere/picture_blur.h"
 
 namespace impactdic::advice {
@@ -25,6 +26,9 @@ constexpr double kBeyondChance = 30;
 constexpr double kAlike = 5, kAlikeShare = 0.2;
 // How much more the ball is stretched one way than across it, from a picture to another.
 constexpr double kPressed = 5e-4;
+// A tilt that may move the ball by less a frame is none to look into.
+
+constexpr double kUnseen_px = 0.005;
 constexpr double kLeastMoved_px = 0.06;  // that the ball's surface moves by
 // By how much the flat ball's squares exceed the sphere's, in variances of a pixel, and in shares
 // of themselves: chance leaves some units of the first, what no model has of light some thousandths
@@ -41,6 +45,7 @@ struct TiltAFrame {
     return beyond_chance > kBeyondChance && moved_px > kLeastMoved_px && is_better;
   }
   double length_rad() const { return std::hypot(x_rad, y_rad); }
+  double unseen_rad() const { return std::hypot(length_rad(), sd_rad); }
 };
 
 class FarLook {
@@ -74,9 +79,13 @@ class FarLook {
     tilt.beyond_chance =
         std::pow(sphere->rot_x_rad / x_sd, 2) + std::pow(sphere->rot_y_rad / y_sd, 2);
     tilt.moved_px = std::hypot(sphere->rot_x_rad, sphere->rot_y_rad) * first_.r_px;
+    // Where no tilt is beyond chance, or matters, nothing is to be compared.
+    const bool is_beyond = tilt.beyond_chance > kBeyondChance;
+    if (!is_beyond && motion::moved_by_tilt_px(tilt.unseen_rad(), first_.r_px) < kUnseen_px) {
+      return tilt;
+    }
     const auto flat = registered(flat_, flat_start(start));
-    // Where no tilt is beyond chance nothing is to be compared.
-    tilt.is_better = tilt.beyond_chance > kBeyondChance && is_better(*sphere, flat);
+    tilt.is_better = is_beyond && is_better(*sphere, flat);
     tilt.is_pressed = flat && std::hypot((flat->exx - flat->eyy) / 2, flat->exy) > kPressed;
     return tilt;
   }
@@ -200,7 +209,7 @@ SlowTilt slow_tilt(opencl::Engine& engine, const BallPair& pair, const dic::Rigi
     found.motion->rot_x_rad = farther->x_rad;
     found.motion->rot_y_rad = farther->y_rad;
   } else {
-    found.unseen_rad = std::hypot(farther->length_rad(), farther->sd_rad);
+    found.unseen_rad = farther->unseen_rad();
     found.is_pressed = farther->is_pressed;
   }
   return found;

@@ -323,14 +323,7 @@ class ClipTracker {
   void emit(TrackBatch& batch, std::size_t i, const motion::PairMotion* pair) {
     TrackRow& row = batch.rows[i];
     if (source_.info().sizes_differ) forget_way(row);
-    row.cx_px += options_.roi.x;
-    row.cy_px += options_.roi.y;
-    if (row.pose.ok) {
-      row.pose.x_px += options_.roi.x;
-      row.pose.y_px += options_.roi.y;
-      row.pose.origin = options_.frames.at(row.pose.origin);
-      row.pose.keyframe = options_.frames.at(row.pose.keyframe);
-    }
+    place_in_clip(row, options_.roi, options_.frames);
     sink_({row, *batch.frames[i], pair});
   }
 

@@ -8,25 +8,45 @@
 namespace impactdic::pipeline {
 namespace {
 
-// Deviations; of the motion, above which the circles are those of something else.
-constexpr double kSlopeChance = 6, kMostSlowed = 0.1;
-// The slope that steps of one px, each by chance, leave over n of them: this over n, squared.
+// Deviations that chance does not reach.
+constexpr double kDoubtChance = 6;
+// Share of the motion above which the circles are those of something else.
+constexpr double kMostSlowed = 0.1;
+// The variance of the slope over n steps that each err by one px: this over n.
 constexpr double kOfSteps = 1.2;
+
+struct Axis {
+  double TrackRow::*place;
+  double TrackRow::*place_sd;
+  double TrackRow::*move;
+  double TrackRow::*move_sd;
+};
+constexpr Axis kX = {&TrackRow::cx_px, &TrackRow::cx_sd_px, &TrackRow::dx_px, &TrackRow::dx_sd_px};
+constexpr Axis kY = {&TrackRow::cy_px, &TrackRow::cy_sd_px, &TrackRow::dy_px, &TrackRow::dy_sd_px};
+
+// By how much a motion is not the way between its two circles, where that is beyond chance.
+double off_alone(const TrackRow& row, const TrackRow& next, const Axis& axis) {
+  const double off_px = next.*axis.place - row.*axis.place - row.*axis.move;
+  const double sd_px = std::hypot(next.*axis.place_sd, row.*axis.place_sd, row.*axis.move_sd);
+  return std::abs(off_px) > kDoubtChance * sd_px ? off_px : 0;
+}
 
 // The circles less the motions up to them, along one axis: the same in all frames, but for errors.
 struct Offsets {
+  std::vector<double> alone_px;  // of each motion; it does not count in those behind it
   std::vector<double> off_px, weight;
 };
 
-Offsets offsets(std::span<const TrackRow> run, double TrackRow::*place, double TrackRow::*sd,
-                double TrackRow::*move) {
+Offsets offsets(std::span<const TrackRow> run, const Axis& axis) {
   Offsets found;
   double moved_px = 0;
-  for (const TrackRow& row : run) {
-    const double known_px = std::max(row.*sd, kExact_px);
-    found.off_px.push_back(row.*place - run.front().*place - moved_px);
+  for (std::size_t i = 0; i < run.size(); ++i) {
+    const double known_px = std::max(run[i].*axis.place_sd, kExact_px);
+    found.off_px.push_back(run[i].*axis.place - run[0].*axis.place - moved_px);
     found.weight.push_back(1 / (known_px * known_px));
-    moved_px += row.*move;
+    if (i + 1 == run.size()) break;
+    found.alone_px.push_back(off_alone(run[i], run[i + 1], axis));
+    moved_px += run[i].*axis.move + found.alone_px[i];
   }
   return found;
 }
@@ -48,7 +68,12 @@ double slope_about(const Offsets& offsets, std::size_t of, double step_sd_px) {
   const double scatter = (xx - x * x / w - slope * along) / static_cast<double>(end - begin - 2);
   const double by_steps = kOfSteps / static_cast<double>(end - begin) * step_sd_px * step_sd_px;
   const double chance = std::max(1.0, scatter) / spread + by_steps;
-  return slope * slope > kSlopeChance * kSlopeChance * chance ? slope : 0;
+  return slope * slope > kDoubtChance * kDoubtChance * chance ? slope : 0;
+}
+
+void doubt(double by_px, double& sd_px, std::vector<bool>::reference doubted) {
+  sd_px = std::hypot(sd_px, by_px);
+  doubted = doubted || by_px != 0;
 }
 
 }  // namespace
@@ -59,19 +84,19 @@ std::vector<bool> doubt_motions(std::span<const TrackRow> rows,
   for (std::size_t first = 0, end = 0; first < rows.size(); first = end) {
     end = first + 1;
     while (end < rows.size() && leads_on(rows[end - 1]) && rows[end].circle_ok) ++end;
-    if (end - first <= kBeside || turns_in_space(rows[first])) continue;
+    if (turns_in_space(rows[first])) continue;
     const auto run = rows.subspan(first, end - first);
-    const Offsets along_x = offsets(run, &TrackRow::cx_px, &TrackRow::cx_sd_px, &TrackRow::dx_px);
-    const Offsets along_y = offsets(run, &TrackRow::cy_px, &TrackRow::cy_sd_px, &TrackRow::dy_px);
+    const Offsets along_x = offsets(run, kX), along_y = offsets(run, kY);
     for (std::size_t i = 0; i + 1 < run.size(); ++i) {
+      dic::RigidMotion& motion = pairs[first + i].motion;
+      doubt(along_x.alone_px[i], motion.dx_sd_px, doubted[first + i]);
+      doubt(along_y.alone_px[i], motion.dy_sd_px, doubted[first + i]);
       const double x_px = slope_about(along_x, i, run[i].dx_sd_px);
       const double y_px = slope_about(along_y, i, run[i].dy_sd_px);
       const double moved_px = std::hypot(run[i].dx_px, run[i].dy_px);
       if (!(std::hypot(x_px, y_px) < kMostSlowed * moved_px)) continue;
-      dic::RigidMotion& motion = pairs[first + i].motion;
-      motion.dx_sd_px = std::hypot(motion.dx_sd_px, x_px);
-      motion.dy_sd_px = std::hypot(motion.dy_sd_px, y_px);
-      doubted[first + i] = x_px != 0 || y_px != 0;
+      doubt(x_px, motion.dx_sd_px, doubted[first + i]);
+      doubt(y_px, motion.dy_sd_px, doubted[first + i]);
     }
   }
   return doubted;

@@ -132,6 +132,16 @@ void set_round_motion(TrackRow& row, const dic::RigidMotion& motion) {
   row.rot_y_sd_deg = motion.rot_y_sd_rad * kDegPerRad;
 }
 
+void place_in_clip(TrackRow& row, const Roi& roi, const FrameRange& frames) {
+  row.cx_px += roi.x;
+  row.cy_px += roi.y;
+  if (!row.pose.ok) return;
+  row.pose.x_px += roi.x;
+  row.pose.y_px += roi.y;
+  row.pose.origin = frames.at(row.pose.origin);
+  row.pose.keyframe = frames.at(row.pose.keyframe);
+}
+
 void forget_way(TrackRow& row) {
   row.motion_ok = false;
   row.dx_px = row.dy_px = row.dx_sd_px = row.dy_sd_px = kNotMeasured;

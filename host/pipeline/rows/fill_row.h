@@ -1,6 +1,8 @@
 // From what was measured of a frame to its row.
 #pragma once
 
+#include <impactdic/clip.h>
+
 #include <span>
 
 #include "host/circle/circle.h"
@@ -37,6 +39,9 @@ void forget_way(TrackRow& row);
 // A motion that may be a turn out of the picture's plane: it states no less than the circles of
 // both frames do of the way between them, and of its turn no less than such a tilt may add.
 void doubt_motion(TrackRow& row, const TrackRow& next);
+// From the region of interest and the analysed frames to places in the whole picture and frames of
+// the clip.
+void place_in_clip(TrackRow& row, const Roi& roi, const FrameRange& frames);
 // Of the last frame, which shows a circle. That alone may be anything, and so may one to which no
 // motion led, or one without a texture: with motions measured, all others stand in two frames that
 // follow each other.

@@ -64,9 +64,19 @@ TEST(DoubtMotions, ChanceIsNone) {
 
 // What goes elsewhere by more than a tenth of the motion is no ball's circle.
 TEST(DoubtMotions, CirclesOfSomethingElseDoubtNoMotion) {
-  Path path = flight(0, 0.1, 2);
+  Path path = flight(0, 0.055, 2);
   const std::vector<bool> doubted = pipeline::doubt_motions(path.rows, path.pairs);
   EXPECT_EQ(std::count(doubted.begin(), doubted.end(), true), 0);
+}
+
+TEST(DoubtMotions, OneThatItsCirclesDoNotBearOutStatesByHowMuch) {
+  Path path = flight(0, 0, 4);
+  for (TrackRow& row : path.rows) row.cy_sd_px = 0.003, row.cy_px = 40;
+  path.rows[20].dy_px = path.pairs[20].motion.dy_px = 0.06;
+  const std::vector<bool> doubted = pipeline::doubt_motions(path.rows, path.pairs);
+  EXPECT_EQ(std::count(doubted.begin(), doubted.end(), true), 1);
+  EXPECT_TRUE(doubted[20]);
+  EXPECT_NEAR(path.pairs[20].motion.dy_sd_px, 0.06, 0.001);
 }
 
 TEST(DoubtMotions, AFewFramesTellNothing) {
