@@ -27,7 +27,6 @@ constexpr double kAlike = 5, kAlikeShare = 0.2;
 // How much more the ball is stretched one way than across it, from a picture to another.
 constexpr double kPressed = 5e-4;
 // A tilt that may move the ball by less a frame is none to look into.
-
 constexpr double kUnseen_px = 0.005;
 constexpr double kLeastMoved_px = 0.06;  // that the ball's surface moves by
 // By how much the flat ball's squares exceed the sphere's, in variances of a pixel, and in shares

@@ -250,11 +250,11 @@ void state_radii(std::span<TrackRow> run) {
 }  // namespace
 
 void compare_with_circles(TrackRow& row, const TrackRow& next) {
-  constexpr double kChance = 6, kLeast_px = 0.1;
+  constexpr double kChance = 6;
   if (row.status != TrackStatus::kOk || !row.motion_ok || !next.circle_ok) return;
   const auto differ = [](double motion, double motion_sd, double step, double sd, double next_sd) {
     const double off = std::abs(motion - step);
-    return off > kLeast_px && off > kChance * std::hypot(motion_sd, sd, next_sd);
+    return off > kContradiction_px && off > kChance * std::hypot(motion_sd, sd, next_sd);
   };
   if (differ(row.dx_px, row.dx_sd_px, next.cx_px - row.cx_px, row.cx_sd_px, next.cx_sd_px) ||
       differ(row.dy_px, row.dy_sd_px, next.cy_px - row.cy_px, row.cy_sd_px, next.cy_sd_px)) {

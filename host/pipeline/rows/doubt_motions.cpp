@@ -71,6 +71,9 @@ double slope_about(const Offsets& offsets, std::size_t of, double step_sd_px) {
   return slope * slope > kDoubtChance * kDoubtChance * chance ? slope : 0;
 }
 
+// Of a contradiction a circle is as likely to be the cause.
+double of_motion(double alone_px) { return std::abs(alone_px) < kContradiction_px ? alone_px : 0; }
+
 void doubt(double by_px, double& sd_px, std::vector<bool>::reference doubted) {
   sd_px = std::hypot(sd_px, by_px);
   doubted = doubted || by_px != 0;
@@ -89,8 +92,8 @@ std::vector<bool> doubt_motions(std::span<const TrackRow> rows,
     const Offsets along_x = offsets(run, kX), along_y = offsets(run, kY);
     for (std::size_t i = 0; i + 1 < run.size(); ++i) {
       dic::RigidMotion& motion = pairs[first + i].motion;
-      doubt(along_x.alone_px[i], motion.dx_sd_px, doubted[first + i]);
-      doubt(along_y.alone_px[i], motion.dy_sd_px, doubted[first + i]);
+      doubt(of_motion(along_x.alone_px[i]), motion.dx_sd_px, doubted[first + i]);
+      doubt(of_motion(along_y.alone_px[i]), motion.dy_sd_px, doubted[first + i]);
       const double x_px = slope_about(along_x, i, run[i].dx_sd_px);
       const double y_px = slope_about(along_y, i, run[i].dy_sd_px);
       const double moved_px = std::hypot(run[i].dx_px, run[i].dy_px);

@@ -10,6 +10,8 @@ namespace impactdic::pipeline {
 
 // Frames on either side that tell of one, at most; of all of them at least.
 inline constexpr std::size_t kBeside = 12, kFewestOthers = 4;
+// A motion that is less off the way between its two circles contradicts none of them.
+inline constexpr double kContradiction_px = 0.1;
 // No circle is known better than this.
 inline constexpr double kExact_px = 1e-6;
 // The outline of a ball 12 radii away is not about its centre: by so much of the way.

@@ -77,6 +77,11 @@ TEST(DoubtMotions, OneThatItsCirclesDoNotBearOutStatesByHowMuch) {
   EXPECT_EQ(std::count(doubted.begin(), doubted.end(), true), 1);
   EXPECT_TRUE(doubted[20]);
   EXPECT_NEAR(path.pairs[20].motion.dy_sd_px, 0.06, 0.001);
+  // A circle that jumps away is another thing's.
+  Path jump = flight(0, 0, 4);
+  for (std::size_t i = 21; i < kFrames; ++i) jump.rows[i].cy_px += 0.5;
+  pipeline::doubt_motions(jump.rows, jump.pairs);
+  EXPECT_EQ(jump.pairs[20].motion.dy_sd_px, kMotion_px);
 }
 
 TEST(DoubtMotions, AFewFramesTellNothing) {
