@@ -101,7 +101,6 @@ typedef struct Shared {
   float warp[6];
 #if PARAMETERS == SPHERE
   float turn[9];  // from the first to the second picture; x right, y down, z to camera
-  float scores[TRIANGLE(REGRESSORS, 0)];  // Σ over blocks of their scores' products
   float bent[REGRESSORS];                 // what bends give to a step's right side
   float inverse[MOVES * REGRESSORS];      // rows of the inverse of the normal matrix
   float radius;                           // of the sphere
@@ -129,6 +128,7 @@ typedef struct Shared {
   int status, steps;
   float sums[SUMS];
   float solution[REGRESSORS];
+  float scores[TRIANGLE(REGRESSORS, 0)];  // Σ over blocks of their scores' products
   float noise[NOISE_PLACES * NOISE_PLACES];
   float smoothed[2];
   int histogram[BINS];

@@ -106,9 +106,8 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void register_balls(
   }
   const Box box = disc_box(task, 0, limits.width, limits.height);
   const float share = smoothed_share(value, box, task, limits, smooth_taps, scratch, &shared);
-#if PARAMETERS == SPHERE
   sum_scores(value, second, mask, task, box, limits, scratch, &shared);
-#else
+#if PARAMETERS != SPHERE
   const float second_noise =
       warp_noise(shared.warp, (float2)(task.cx, task.cy), 0.6f * task.radius, noise, shared.noise);
 #endif

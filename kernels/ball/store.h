@@ -2,7 +2,7 @@
 #ifndef IMPACTDIC_KERNELS_BALL_STORE_H_
 #define IMPACTDIC_KERNELS_BALL_STORE_H_
 
-#include "kernels/ball/registration.h"
+#include "kernels/ball/scores.h"
 
 // Share of the slopes' power that smoothing them once more leaves, from every fourth pixel each
 // way: the pictures' noise went through the same Gaussian, and reaches the motion through it.
@@ -42,10 +42,23 @@ BARRIER_INLINE float smoothed_share(__global const float* value, const Box box, 
 }
 
 #if PARAMETERS != SPHERE
+// Deviations of what blocks' scores say by chance, from which on they begin to count; wholly from
+// twice as many on.
+#define CHANCE 3.5f
+
+// What residuals that err alike over whole blocks of pixels make of a variance by noise: `above`
+// times as much, where that is beyond what the blocks' number lets it be by chance.
+static inline float by_blocks(const float above, const float blocks) {
+  const float chance = sqrt(2.0f / blocks);
+  return 1.0f + (above - 1.0f) * clamp((above - 1.0f) / (CHANCE * chance) - 1.0f, 0.0f, 1.0f);
+}
+
 // Lane 0: standard deviations of dx, dy, rotation, exx, exy, eyy for the pixel deviation `scale`:
 // each is a sum of two parameters with weights.
 static inline void store_deviations(__global BallMotion* out, __local Shared* shared,
                                     const float radius, const float scale) {
+  const float by_gain = shared->stretch / shared->light[1];
+  const float blocks = shared->carried * (1.0f / (BLOCK_X * BLOCK_Y));
   __global float* deviation[] = {&out->dx_sd,  &out->dy_sd,  &out->rot_sd_rad,
                                  &out->exx_sd, &out->exy_sd, &out->eyy_sd};
   for (int k = 0; k < 15; ++k) out->covariance[k] = 0.0f;
@@ -65,7 +78,12 @@ static inline void store_deviations(__global BallMotion* out, __local Shared* sh
     for (int i = 0; i < REGRESSORS; ++i) shared->solution[i] = 0.0f;
     shared->solution[LIGHT + parameter[k]] += weight[k];
     shared->solution[LIGHT + other[k]] += other_weight[k];
-    *deviation[k] = scale * sqrt(cholesky_quadratic(shared->sums, REGRESSORS, shared->solution));
+    const float by_noise =
+        scale * scale * cholesky_quadratic(shared->sums, REGRESSORS, shared->solution);
+    cholesky_solve(shared->sums, REGRESSORS, shared->solution);
+    const float by_scores =
+        by_gain * by_gain * sandwich(shared->scores, shared->solution, shared->solution);
+    *deviation[k] = sqrt(by_noise * by_blocks(by_scores / by_noise, blocks));
   }
 }
 
