@@ -23,9 +23,13 @@ Place turned(const Place& at, double angle_rad) {
 
 double mean_square(double x, double y) { return (x * x + y * y) / 2; }
 
-double doubt_px2(const TrackRow& row) {
-  const double px2 = mean_square(row.dx_sd_px, row.dy_sd_px);
-  return std::isfinite(px2) ? px2 : kUnseenStep_px * kUnseenStep_px;
+double doubt_px(const TrackRow& row) {
+  const double px = std::sqrt(mean_square(row.dx_sd_px, row.dy_sd_px));
+  return std::isfinite(px) ? px : kUnseenStep_px;
+}
+
+double known_px2(const CentreOnBody& centre) {
+  return centre.variance_px2 + centre.untold_px * centre.untold_px;
 }
 
 CentreOnBody::Beside beside(const TrackRow& row, const Place& off, double variance_px2) {
@@ -39,11 +43,12 @@ CentreOnBody::Beside beside(const TrackRow& row, const Place& off, double varian
 }
 
 void tell(CentreOnBody& centre, const Place& at, double variance_px2) {
-  const double share =
-      centre.circles == 0 ? 1 : centre.variance_px2 / (centre.variance_px2 + variance_px2);
+  const double before_px2 = known_px2(centre);
+  const double share = centre.circles == 0 ? 1 : before_px2 / (before_px2 + variance_px2);
   centre.x_px += share * (at.x_px - centre.x_px);
   centre.y_px += share * (at.y_px - centre.y_px);
   centre.variance_px2 = share * variance_px2;
+  centre.untold_px = 0;
   ++centre.circles;
 }
 
@@ -56,7 +61,7 @@ CentreOnBody::Beside CentreOnBody::compare(const TrackRow& row) {
     const Place at = {row.cx_px - row.pose.x_px, row.cy_px - row.pose.y_px};
     if (circles >= kFewestCircles && row.by_hand == ByHand::kNo) {
       const Place told = turned({x_px, y_px}, row.pose.angle_rad);
-      found = beside(row, {at.x_px - told.x_px, at.y_px - told.y_px}, variance_px2 + px2);
+      found = beside(row, {at.x_px - told.x_px, at.y_px - told.y_px}, known_px2(*this) + px2);
     }
     const bool tells = row.status == TrackStatus::kOk && !std::isfinite(row.e1_px) && px2 > 0;
     if (tells && !found.elsewhere) {
@@ -64,7 +69,7 @@ CentreOnBody::Beside CentreOnBody::compare(const TrackRow& row) {
       tell(*this, turned(at, -row.pose.angle_rad), px2);
     }
   }
-  variance_px2 += doubt_px2(row);
+  untold_px += doubt_px(row);
   return found;
 }
 

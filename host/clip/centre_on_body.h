@@ -14,6 +14,9 @@ struct CentreOnBody {
   std::int64_t origin = -1;  // of the poses, see BodyPose
   int circles = 0;           // that have told it
   double x_px = 0, y_px = 0, variance_px2 = 0;
+  // What the motions since then state, px: all of them may err alike, as a pattern on the sensor
+  // makes them.
+  double untold_px = 0;
 
   // How far beside that place the circle of the next row lies, px, x right and y down: 0 within
   // four deviations of both, and where somebody has looked at it. `elsewhere`: also beyond a
@@ -23,8 +26,7 @@ struct CentreOnBody {
     double x_px = 0, y_px = 0;
     bool elsewhere = false;
   };
-  // If it is not elsewhere, and if it is a circle and the row ok, it tells the centre, too. What
-  // motions state adds to the variance from row to row.
+  // If it is not elsewhere, and if it is a circle and the row ok, it tells the centre, too.
   Beside compare(const TrackRow& row);
 };
 

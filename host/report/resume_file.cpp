@@ -52,6 +52,7 @@ void each_of_centre(Field field, T& centre) {
   field("x_px", centre.x_px);
   field("y_px", centre.y_px);
   field("variance_px2", centre.variance_px2);
+  field("untold_px", centre.untold_px);
 }
 
 template <typename Field, typename T>
@@ -159,6 +160,7 @@ void check(const pipeline::ResumePoint& point) {
   demand(point.centre.origin >= -1 && point.centre.origin <= row && point.centre.circles >= 0);
   demand(is_usual(point.centre.x_px) && is_usual(point.centre.y_px));
   demand(is_usual(point.centre.variance_px2) && point.centre.variance_px2 >= 0);
+  demand(is_usual(point.centre.untold_px) && point.centre.untold_px >= 0);
 }
 
 // Throws where the file is damaged or `of` refuses what it says.

@@ -115,6 +115,17 @@ TEST(CentreOnBody, WhatIsInDoubtIsLeft) {
   for (const auto& rows : {doubted, rough, few, in_doubt}) EXPECT_EQ(elsewhere(rows), 0u);
 }
 
+// A pattern on the sensor makes all motions err alike, and no circle tells the centre in contact.
+TEST(CentreOnBody, MotionsThatErrAlikeMoveTheBody) {
+  std::vector<TrackRow> rows = flight(200);
+  for (std::size_t i = 0; i < 200; ++i) {
+    rows[i].pose.x_px += 0.008 * static_cast<double>(i);
+    rows[i].dx_sd_px = rows[i].dy_sd_px = 0.008;
+    if (i >= 40 && i < 140) rows[i].e1_px = 1, rows[i].e2_px = 0;
+  }
+  EXPECT_EQ(elsewhere(rows), 0u);
+}
+
 // A ball that was lost may have been found elsewhere, and that says nothing of the others.
 TEST(CentreOnBody, TheBodyAsItWasFoundFirstTells) {
   std::vector<TrackRow> rows = flight(100);
