@@ -40,6 +40,9 @@ constexpr int kMostGap_px = 32;
 constexpr std::size_t kLeastPixels = 20;
 constexpr double kMostShare = 0.6;
 
+// Share of a ball that edges have to leave.
+constexpr double kLeastLeft = 0.35;
+
 // What is left of the noise of a picture that was smoothed by a Gaussian of 1 px, so that edges
 // show that hardly pass the noise.
 constexpr double kSmoothedNoise = 0.28;
@@ -257,10 +260,10 @@ class EdgeMap {
 };
 
 // The edges about one ball that stand still.
-class StillEdges {
+class EdgesAbout {
  public:
   // `corner`: of the stack's part in the pictures.
-  StillEdges(const Stack& stack, const cv::Point& corner, double noise)
+  EdgesAbout(const Stack& stack, const cv::Point& corner, double noise)
       : corner_(corner),
         width_(stack.width()),
         height_(stack.height()),
@@ -342,27 +345,48 @@ class StillEdges {
   Image<std::uint8_t> still_;
 };
 
+// Share of a ball's pixels that are left.
+double left_of(const Circle& ball, const Image<std::uint8_t>& moving) {
+  const auto first = [](double at) { return std::max(0, static_cast<int>(std::ceil(at))); };
+  const auto end = [](double at, int most) {
+    return std::min(most, static_cast<int>(std::floor(at)) + 1);
+  };
+  double seen = 0, left = 0;
+  for (int y = first(ball.cy_px - ball.r_px); y < end(ball.cy_px + ball.r_px, moving.height());
+       ++y) {
+    const double half = std::sqrt(ball.r_px * ball.r_px - std::pow(y - ball.cy_px, 2));
+    for (int x = first(ball.cx_px - half); x < end(ball.cx_px + half, moving.width()); ++x) {
+      ++seen;
+      left += moving(x, y) != 0 ? 1 : 0;
+    }
+  }
+  return seen > 0 ? left / seen : 1;
+}
+
 }  // namespace
 
-std::shared_ptr<const Image<std::uint8_t>> still_edges(std::span<const MovedBall> balls,
-                                                       double noise, const FarFrames& frames) {
-  std::vector<std::optional<StillEdges>> found(balls.size());
+StillEdges still_edges(std::span<const MovedBall> balls, double noise, const FarFrames& frames) {
+  std::vector<std::optional<EdgesAbout>> found(balls.size());
   parallel_for(balls.size(), [&](std::size_t k) {
     const ViewsAbout views(balls[k], frames);
     if (!views.are_enough()) return;
-    StillEdges edges(Stack(views), views.part().tl(), kSmoothedNoise * noise);
+    EdgesAbout edges(Stack(views), views.part().tl(), kSmoothedNoise * noise);
     if (edges.may_be()) found[k] = std::move(edges);
   });
   EdgeMap all(frames.width, frames.height);
-  for (std::optional<StillEdges>& edges : found) {
+  for (std::optional<EdgesAbout>& edges : found) {
     if (edges && edges->are_told()) edges->add_to(all);
   }
   for (bool more = !all.is_empty(); more;) {
     more = false;
-    for (std::optional<StillEdges>& edges : found) more |= edges && edges->continue_in(all);
+    for (std::optional<EdgesAbout>& edges : found) more |= edges && edges->continue_in(all);
   }
-  if (all.is_empty()) return nullptr;
-  return all.mask();
+  if (all.is_empty()) return {};
+  const auto moving = all.mask();
+  const bool cover_ball = std::any_of(balls.begin(), balls.end(), [&](const MovedBall& ball) {
+    return left_of(ball.ball, *moving) < kLeastLeft;
+  });
+  return {moving, cover_ball};
 }
 
 }  // namespace impactdic::advice

@@ -20,13 +20,20 @@ struct MovedBall {
   dic::RigidMotion step;
 };
 
-// An image of the pictures: 0 on such edges and beside them, 255 elsewhere; nullptr where there are
-// none, or nothing tells. About each ball some frames are read between which it, if it goes
+struct StillEdges {
+  // An image of the pictures: 0 on such edges and beside them, 255 elsewhere; nullptr where there
+  // are none, or nothing tells.
+  std::shared_ptr<const Image<std::uint8_t>> moving;
+  // They leave too little of a ball to measure it by: no thing before it, but a pattern of the
+  // sensor's own.
+  bool cover_ball = false;
+};
+
+// About each ball some frames are read between which it, if it goes
 // on as it does, moves its texture by some pixels. What stays as it was in them, though the ball
 // would have carried the edge on, is no part of the ball: beside the ball's own edges it holds a
 // registration back, by too little in a pair of frames to be told from noise. `noise`: deviation of
 // a pixel, grey levels of the file.
-std::shared_ptr<const Image<std::uint8_t>> still_edges(std::span<const MovedBall> balls,
-                                                       double noise, const FarFrames& frames);
+StillEdges still_edges(std::span<const MovedBall> balls, double noise, const FarFrames& frames);
 
 }  // namespace impactdic::advice

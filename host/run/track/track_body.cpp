@@ -113,9 +113,11 @@ void TrackRun::leave_out_still_edges(const std::vector<advice::MovedBall>& moved
                                      const advice::AdviceRequest& looked) {
   if (!result_.advice.texture) return;
   const advice::FarFrames frames = advice::far_frames(*source_, looked);
-  options_.estimator.moving =
+  const advice::StillEdges edges =
       advice::still_edges(advice::along_path(moved, looked.spare_sightings, frames),
                           result_.advice.texture->noise, frames);
+  options_.estimator.moving = edges.moving;
+  edges_cover_ball_ = edges.cover_ball;
   if (!options_.estimator.moving) return;
   caller_.say(MessageKind::kNote,
               "something stands still before the ball, or shines on it: its edges are left out of "

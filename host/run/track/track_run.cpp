@@ -119,6 +119,12 @@ void TrackRun::look() {
   }
   if (perspective_.is_unknown()) result_.warnings.emplace_back(kDistanceUnknown);
   if (round_body_) result_.warnings.push_back(result_.body_reason);
+  if (edges_cover_ball_) {
+    result_.warnings.push_back(
+        "edges that stand still cover the ball, as columns of a sensor do: too little of it is "
+        "left to "
+        "be registered; let the camera correct its black level and gains");
+  }
   if (result_.advice.texture) {
     caller_.say(MessageKind::kNote, "texture: " + report::in_words(result_.advice.texture->asked));
   }

@@ -121,6 +121,7 @@ class TrackRun {
   motion::Perspective perspective_;  // of a sphere, in the whole frames
   std::optional<Measured> surface_in_picture_;
   std::optional<motion::RoundBody> round_body_;  // of kSpheroid
+  bool edges_cover_ball_ = false;                // see advice::StillEdges
 };
 
 // Gives a frame to a caller's sink, which is not empty.

@@ -3,10 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <optional>
+#include <random>
 #include <utility>
 #include <vector>
 
@@ -33,6 +35,21 @@ LightScene behind_a_bar(LightScene scene, double level = 25) {
   return scene;
 }
 
+advice::StillEdges edges_in(const LightFilm& film, const LightScene& scene, double noise = 2) {
+  const BallPose& pose = film.poses[4];
+  advice::MovedBall ball{4, {pose.cx_px, pose.cy_px, scene.radius_px}, {}};
+  ball.step.ok = true;
+  ball.step.dx_px = scene.dx_px;
+  ball.step.dy_px = scene.dy_px;
+  ball.step.rot_rad = scene.rotation_deg * kRadPerDeg;
+  advice::FarFrames frames;
+  frames.count = kFrames;
+  frames.width = film.frames[4].width();
+  frames.height = film.frames[4].height();
+  frames.picture = [&](std::int64_t index) { return std::optional(film.frames.at(index)); };
+  return advice::still_edges(std::span(&ball, 1), noise, frames);
+}
+
 // `still`: the ball rests, though it is said to move.
 Mask edges_of(const LightScene& scene, bool still = false, int levels = 1) {
   LightScene shown = scene;
@@ -46,18 +63,7 @@ Mask edges_of(const LightScene& scene, bool still = false, int levels = 1) {
       frame.u16.data()[k] = static_cast<std::uint16_t>(levels * bytes.u8.data()[k]);
     }
   }
-  const BallPose& pose = film.poses[4];
-  advice::MovedBall ball{4, {pose.cx_px, pose.cy_px, scene.radius_px}, {}};
-  ball.step.ok = true;
-  ball.step.dx_px = scene.dx_px;
-  ball.step.dy_px = scene.dy_px;
-  ball.step.rot_rad = scene.rotation_deg * kRadPerDeg;
-  advice::FarFrames frames;
-  frames.count = kFrames;
-  frames.width = film.frames[4].width();
-  frames.height = film.frames[4].height();
-  frames.picture = [&](std::int64_t index) { return std::optional(film.frames.at(index)); };
-  return advice::still_edges(std::span(&ball, 1), 2.0 * levels, frames);
+  return edges_in(film, scene, 2.0 * levels).moving;
 }
 
 int taken_out(const Image<std::uint8_t>& mask) {
@@ -118,6 +124,30 @@ TEST(StillEdges, ABallsOwnAreNone) {
 TEST(StillEdges, ABallThatRestsTellsNone) {
   EXPECT_EQ(edges_of(slow_disc(), true), nullptr);
   EXPECT_EQ(edges_of(behind_a_bar(slow_disc()), true), nullptr);
+}
+
+// Those of the sensor itself: they leave too little of the ball.
+TEST(StillEdges, ThatCoverTheBallAreASensors) {
+  LightScene scene = slow_disc();
+  scene.pattern = "d1";
+  scene.dx_px = 0.7;
+  LightFilm film(scene, 5, kFrames);
+  std::mt19937 random(3);
+  std::normal_distribution<double> offset(0, 10);
+  std::vector<double> columns;
+  for (int x = 0; x < film.frames[0].width(); ++x) columns.push_back(offset(random));
+  for (Frame& frame : film.frames) {
+    for (std::size_t k = 0; k < frame.u8.size(); ++k) {
+      const double level = frame.u8.data()[k] + columns[k % columns.size()];
+      frame.u8.data()[k] = static_cast<std::uint8_t>(std::clamp(level, 0.0, 255.0));
+    }
+  }
+  const advice::StillEdges edges = edges_in(film, scene);
+  EXPECT_TRUE(edges.cover_ball);
+  const LightScene barred = behind_a_bar(slow_disc());
+  const advice::StillEdges bar = edges_in(LightFilm(barred, 5, kFrames), barred);
+  EXPECT_TRUE(bar.moving);
+  EXPECT_FALSE(bar.cover_ball);
 }
 
 // Between two frames the ball moves by little more than the noise shows: the bar's edge held it
