@@ -14,6 +14,7 @@
 #include "host/opencl/engine.h"
 #include "host/pipeline/device_workers.h"
 #include "host/pipeline/rows/compare_rows.h"
+#include "host/pipeline/rows/compare_with_path.h"
 #include "host/pipeline/rows/doubt_motions.h"
 #include "host/pipeline/rows/fill_row.h"
 #include "host/pipeline/rows/repeated_frames.h"
@@ -297,8 +298,7 @@ class ClipTracker {
     // A motion that states no more than circles do tells nothing of them.
     std::vector<bool> changed =
         settle_centres(batch.rows, batch.pairs, !is_doubted(), point_.centre);
-    // Not the last one, which comes once more.
-    const auto rows = std::span(batch.rows).first(batch.rows.size() - 1);
+    const auto rows = std::span(batch.rows).first(batch.rows.size() - 1);  // the last comes again
     compare_with_poses(rows, point_.centre, changed);
     state_motions(batch, changed);
   }

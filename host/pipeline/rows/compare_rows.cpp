@@ -11,33 +11,7 @@
 namespace impactdic::pipeline {
 namespace {
 
-// Motions and circles of some frames along one axis.
-struct Way {
-  double moved_px = 0, variance_px2 = 0;  // by the motions; independent from frame to frame
-  bool leads_elsewhere(double from, double from_sd, double to, double to_sd, double steps) const {
-    constexpr double kChance = 6, kLeast_px = 0.02;
-    const double off = std::abs(moved_px - (to - from)) - kAboutCentre * std::abs(to - from);
-    return off > kLeast_px * steps &&
-           off > kChance * std::sqrt(variance_px2 + from_sd * from_sd + to_sd * to_sd);
-  }
-};
-
 bool is_ellipse(const TrackRow& row) { return std::isfinite(row.e1_px); }
-
-// The motions of rows `first` to `last`, not included, whose circle ends them.
-bool leads_elsewhere(std::span<const TrackRow> rows, std::size_t first, std::size_t last) {
-  Way x, y;
-  for (std::size_t i = first; i < last; ++i) {
-    x.moved_px += rows[i].dx_px;
-    y.moved_px += rows[i].dy_px;
-    x.variance_px2 += rows[i].dx_sd_px * rows[i].dx_sd_px;
-    y.variance_px2 += rows[i].dy_sd_px * rows[i].dy_sd_px;
-  }
-  const TrackRow &from = rows[first], &to = rows[last];
-  const auto steps = static_cast<double>(last - first);
-  return x.leads_elsewhere(from.cx_px, from.cx_sd_px, to.cx_px, to.cx_sd_px, steps) ||
-         y.leads_elsewhere(from.cy_px, from.cy_sd_px, to.cy_px, to.cy_sd_px, steps);
-}
 
 // A figure of frames that follow each other, less what the motions between them add to it: the same
 // in all of them, but for errors.
@@ -260,19 +234,6 @@ void compare_with_circles(TrackRow& row, const TrackRow& next) {
       differ(row.dy_px, row.dy_sd_px, next.cy_px - row.cy_px, row.cy_sd_px, next.cy_sd_px)) {
     row.status = TrackStatus::kInconsistent;
   }
-}
-
-void compare_with_path(std::span<TrackRow> rows) {
-  constexpr std::size_t kFewest = 3, kMost = 8;
-  std::vector<std::size_t> wrong;
-  for (std::size_t first = 0; first < rows.size(); ++first) {
-    std::size_t last = first;
-    while (last + 1 < rows.size() && last < first + kMost && is_part_of_path(rows[last])) ++last;
-    if (last < first + kFewest || !rows[last].circle_ok) continue;
-    if (!leads_elsewhere(rows, first, last)) continue;
-    for (std::size_t i = first; i < last; ++i) wrong.push_back(i);
-  }
-  for (const std::size_t i : wrong) rows[i].status = TrackStatus::kInconsistent;
 }
 
 std::vector<bool> state_scatter(std::span<TrackRow> rows) {

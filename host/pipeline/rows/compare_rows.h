@@ -13,10 +13,6 @@ namespace impactdic::pipeline {
 // A motion that is not the one of the circles' centres, by more than 0.1 px and six deviations of
 // what both state, is kInconsistent.
 void compare_with_circles(TrackRow& row, const TrackRow& next);
-// After that, of frames that follow each other: small errors that every motion has alike add up
-// over some frames, those of the circles do not. Rows among which the motions lead elsewhere than
-// the circles, beyond six deviations and by 0.02 px a frame, are kInconsistent.
-void compare_with_path(std::span<TrackRow> rows);
 // After that: circles that scatter about the path on which the motions lead by more than they state
 // state as much as they scatter, and one that lies off it alone states by how much. The same for
 // radii of frames that show a circle. Returns which rows' centres state more now. What circles have

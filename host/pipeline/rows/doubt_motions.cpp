@@ -15,15 +15,6 @@ constexpr double kMostSlowed = 0.1;
 // The variance of the slope over n steps that each err by one px: this over n.
 constexpr double kOfSteps = 1.2;
 
-struct Axis {
-  double TrackRow::*place;
-  double TrackRow::*place_sd;
-  double TrackRow::*move;
-  double TrackRow::*move_sd;
-};
-constexpr Axis kX = {&TrackRow::cx_px, &TrackRow::cx_sd_px, &TrackRow::dx_px, &TrackRow::dx_sd_px};
-constexpr Axis kY = {&TrackRow::cy_px, &TrackRow::cy_sd_px, &TrackRow::dy_px, &TrackRow::dy_sd_px};
-
 // By how much a motion is not the way between its two circles, where that is beyond chance.
 double off_alone(const TrackRow& row, const TrackRow& next, const Axis& axis) {
   const double off_px = next.*axis.place - row.*axis.place - row.*axis.move;

@@ -17,6 +17,18 @@ inline constexpr double kExact_px = 1e-6;
 // The outline of a ball 12 radii away is not about its centre: by so much of the way.
 inline constexpr double kAboutCentre = 0.007;
 
+// Along which circles and motions are compared.
+struct Axis {
+  double TrackRow::*place;
+  double TrackRow::*place_sd;
+  double TrackRow::*move;
+  double TrackRow::*move_sd;
+};
+inline constexpr Axis kX = {&TrackRow::cx_px, &TrackRow::cx_sd_px, &TrackRow::dx_px,
+                            &TrackRow::dx_sd_px};
+inline constexpr Axis kY = {&TrackRow::cy_px, &TrackRow::cy_sd_px, &TrackRow::dy_px,
+                            &TrackRow::dy_sd_px};
+
 // Its motion was measured about three axes.
 inline bool turns_in_space(const TrackRow& row) { return std::isfinite(row.rot_x_deg); }
 // It leads on to the next row.
