@@ -49,6 +49,7 @@ BARRIER_INLINE void pass(__global const float* value, __global const float* seco
     if (shared->scale > 0.0f) robust = biweight(r, shared->scale, &newton);
     sums[NEWTON] += w * newton;
     sums[CHANGE] += w * (robust - newton) * r * r;  // dw/d(log scale) = w − d(w r)/dr
+    sums[TEXTURE] += w * (column[ALONG_X] * column[ALONG_X] + column[ALONG_Y] * column[ALONG_Y]);
     w *= robust;
 #pragma unroll
     for (int i = 0; i < COLUMNS; ++i) {

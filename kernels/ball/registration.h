@@ -17,12 +17,15 @@
 #define SPHERE 5 /* PARAMETERS of a sphere: u, v and three turns */
 #define LIGHT 4  /* 1, f, f X/R, f Y/R */
 #define MOVES (PARAMETERS + FREE_RADIUS + FREE_DISTANCE + 2 * FREE_CENTRE)
+#define ALONG_X LIGHT /* columns of shifts, which are slopes */
+#define ALONG_Y (LIGHT + (PARAMETERS == 6 ? 3 : 1))
 #define REGRESSORS (LIGHT + MOVES) /* and the slopes by the parameters over the radius */
 #define COLUMNS (REGRESSORS + 1)   /* and r */
 #define PRODUCTS (COLUMNS * (COLUMNS + 1) / 2)
 #define NEWTON PRODUCTS       /* then: the weights' share of Newton's matrix, see biweight */
 #define CHANGE (PRODUCTS + 1) /* what w r² gains by the logarithm of the scale */
-#define SUMS (PRODUCTS + 2)
+#define TEXTURE (PRODUCTS + 2) /* the slopes' power with no robust weights */
+#define SUMS (PRODUCTS + 3)
 // Bends (bend.h) are taken off where nothing but the motion is asked: what tells the radius, the
 // distance or the centre is a pair that turns by more than their first order holds for.
 #define BENDS (PARAMETERS == SPHERE && MOVES == PARAMETERS)
@@ -66,6 +69,9 @@
 #define ALIKE 1.7f
 #define SMALLEST_PIVOT 1e-6f
 #define SMALLEST_SHARE 0.2f /* of the disc, in view and with weight */
+// Share of the slopes' power that robust weights have to leave: where most edges differ from those
+// of the other picture, as where one of the two is over-exposed, the rest tells another motion.
+#define LEAST_KEPT 0.5f
 
 // A sphere's pixel counts from the first of these cosines of its surface's angle to the line of
 // sight on, wholly from the second on, in the first or the second picture, whichever is less:
@@ -122,6 +128,7 @@ typedef struct Shared {
   float bin;                    // width of a bin of the histogram, 0: none is made
   float correlation, variance;  // at the last step
   float carried;                // sum of weights
+  float kept;                   // share of the slopes' power that robust weights leave
   float moved, pace;            // of the last step, px; see LEFT_PX
   float stretch;                // of the last step; see LONGEST_STRETCH
   int coarse;                   // not 0: the next pass does not see all pixels

@@ -114,7 +114,8 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void register_balls(
   if (item != 0) return;
   int status = shared.status;
   if (status == STATUS_RUNNING) status = STATUS_NOT_CONVERGED;
-  if (status == STATUS_OK && !(shared.correlation >= limits.min_correlation)) {
+  if (status == STATUS_OK &&
+      !(shared.correlation >= limits.min_correlation && shared.kept >= LEAST_KEPT)) {
     status = STATUS_LOW_CORRELATION;
   }
   __global BallMotion* out = &motions[get_group_id(0)];

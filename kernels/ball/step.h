@@ -134,6 +134,8 @@ BARRIER_INLINE void step(__local Shared* shared, const BallTask task, const Ball
     return;
   }
   const float spread = covariance(sums, 1, 1);
+  shared->kept =
+      (sums[TRIANGLE(ALONG_X, ALONG_X)] + sums[TRIANGLE(ALONG_Y, ALONG_Y)]) / sums[TEXTURE];
   shared->carried = count;
   if (!shared->coarse) shared->correlation = correlation(shared);
   // The factor takes the place of the regressors' sums; those of r stand behind and stay.
