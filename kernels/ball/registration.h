@@ -71,7 +71,7 @@
 #define SMALLEST_SHARE 0.2f /* of the disc, in view and with weight */
 // Share of the slopes' power that robust weights have to leave: where most edges differ from those
 // of the other picture, as where one of the two is over-exposed, the rest tells another motion.
-#define LEAST_KEPT 0.5f
+#define LEAST_KEPT 0.6f
 
 // A sphere's pixel counts from the first of these cosines of its surface's angle to the line of
 // sight on, wholly from the second on, in the first or the second picture, whichever is less:
