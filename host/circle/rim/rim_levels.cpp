@@ -316,8 +316,9 @@ double middle_of_rays(int sector) { return (sector + 0.5) * 2 * kPi / kLevelSect
 
 double middle_of_lines(int sector) {
   constexpr int kOfQuarter = kLevelSectors / 4;
+  const int quarter = sector / kOfQuarter;
   const double tangent = 2 * (sector % kOfQuarter + 0.5) / kOfQuarter - 1;
-  return std::atan(tangent) + sector / kOfQuarter * (kPi / 2);
+  return std::atan(tangent) + quarter * (kPi / 2);
 }
 
 GroundRise rise_of_ground(const std::array<float, kLevelSectors>& ground, float contrast,
