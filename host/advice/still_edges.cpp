@@ -347,20 +347,13 @@ class EdgesAbout {
 
 // Share of a ball's pixels that are left.
 double left_of(const Circle& ball, const Image<std::uint8_t>& moving) {
-  const auto first = [](double at) { return std::max(0, static_cast<int>(std::ceil(at))); };
-  const auto end = [](double at, int most) {
-    return std::min(most, static_cast<int>(std::floor(at)) + 1);
-  };
-  double seen = 0, left = 0;
-  for (int y = first(ball.cy_px - ball.r_px); y < end(ball.cy_px + ball.r_px, moving.height());
-       ++y) {
-    const double half = std::sqrt(ball.r_px * ball.r_px - std::pow(y - ball.cy_px, 2));
-    for (int x = first(ball.cx_px - half); x < end(ball.cx_px + half, moving.width()); ++x) {
-      ++seen;
-      left += moving(x, y) != 0 ? 1 : 0;
-    }
-  }
-  return seen > 0 ? left / seen : 1;
+  const cv::Mat left(moving.height(), moving.width(), CV_8U,
+                     const_cast<std::uint8_t*>(moving.data()));  // cv::Mat knows no const
+  cv::Mat disc = cv::Mat::zeros(left.size(), CV_8U);
+  const cv::Point centre(cvRound(ball.cx_px), cvRound(ball.cy_px));
+  cv::circle(disc, centre, cvRound(ball.r_px), 255, cv::FILLED);
+  const int seen = cv::countNonZero(disc);
+  return seen > 0 ? static_cast<double>(cv::countNonZero(disc & left)) / seen : 1;
 }
 
 }  // namespace

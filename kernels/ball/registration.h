@@ -22,8 +22,8 @@
 #define REGRESSORS (LIGHT + MOVES) /* and the slopes by the parameters over the radius */
 #define COLUMNS (REGRESSORS + 1)   /* and r */
 #define PRODUCTS (COLUMNS * (COLUMNS + 1) / 2)
-#define NEWTON PRODUCTS       /* then: the weights' share of Newton's matrix, see biweight */
-#define CHANGE (PRODUCTS + 1) /* what w r² gains by the logarithm of the scale */
+#define NEWTON PRODUCTS        /* then: the weights' share of Newton's matrix, see biweight */
+#define CHANGE (PRODUCTS + 1)  /* what w r² gains by the logarithm of the scale */
 #define TEXTURE (PRODUCTS + 2) /* the slopes' power with no robust weights */
 #define SUMS (PRODUCTS + 3)
 // Bends (bend.h) are taken off where nothing but the motion is asked: what tells the radius, the
@@ -106,12 +106,12 @@
 typedef struct Shared {
   float warp[6];
 #if PARAMETERS == SPHERE
-  float turn[9];  // from the first to the second picture; x right, y down, z to camera
-  float bent[REGRESSORS];                 // what bends give to a step's right side
-  float inverse[MOVES * REGRESSORS];      // rows of the inverse of the normal matrix
-  float radius;                           // of the sphere
-  float centre[2];                        // of the sphere in the first picture, px
-  float told;                             // weight of the centre that was told, see tell_centre
+  float turn[9];           // from the first to the second picture; x right, y down, z to camera
+  float bent[REGRESSORS];  // what bends give to a step's right side
+  float inverse[MOVES * REGRESSORS];  // rows of the inverse of the normal matrix
+  float radius;                       // of the sphere
+  float centre[2];                    // of the sphere in the first picture, px
+  float told;                         // weight of the centre that was told, see tell_centre
 #if LIT
   BallLight lamp;
 #endif

@@ -107,8 +107,8 @@ static inline float median_scale(__local const Shared* shared) {
 // Adds to the sums what was told of the centre before the pictures, as one more row of the
 // regression (a prior: Bayes' rule for normal errors). Before the first residuals a pixel is taken
 // to err by one grey level of 255.
-BARRIER_INLINE void tell_centre(__local Shared* shared, const BallTask task,
-                                const BallTask told, const BallLimits limits) {
+BARRIER_INLINE void tell_centre(__local Shared* shared, const BallTask task, const BallTask told,
+                                const BallLimits limits) {
   const float least = limits.grey_level * limits.grey_level;
   const float variance = shared->variance > least ? shared->variance : least;
   const float by_gain = 1.0f / shared->light[1];

@@ -10,32 +10,6 @@
 namespace impactdic::pipeline {
 namespace {
 
-// Motions and circles of some frames along one axis.
-struct Way {
-  double moved_px = 0, variance_px2 = 0;  // by the motions; independent from frame to frame
-  bool leads_elsewhere(double from, double from_sd, double to, double to_sd, double steps) const {
-    constexpr double kChance = 6, kLeast_px = 0.02;
-    const double off = std::abs(moved_px - (to - from)) - kAboutCentre * std::abs(to - from);
-    return off > kLeast_px * steps &&
-           off > kChance * std::sqrt(variance_px2 + from_sd * from_sd + to_sd * to_sd);
-  }
-};
-
-// The motions of rows `first` to `last`, not included, whose circle ends them.
-bool leads_elsewhere(std::span<const TrackRow> rows, std::size_t first, std::size_t last) {
-  Way x, y;
-  for (std::size_t i = first; i < last; ++i) {
-    x.moved_px += rows[i].dx_px;
-    y.moved_px += rows[i].dy_px;
-    x.variance_px2 += rows[i].dx_sd_px * rows[i].dx_sd_px;
-    y.variance_px2 += rows[i].dy_sd_px * rows[i].dy_sd_px;
-  }
-  const TrackRow &from = rows[first], &to = rows[last];
-  const auto steps = static_cast<double>(last - first);
-  return x.leads_elsewhere(from.cx_px, from.cx_sd_px, to.cx_px, to.cx_sd_px, steps) ||
-         y.leads_elsewhere(from.cy_px, from.cy_sd_px, to.cy_px, to.cy_sd_px, steps);
-}
-
 struct PlaceAlong {
   double at_px, variance_px2;
   bool is_that_of(const PlaceAlong& other) const {
@@ -53,6 +27,18 @@ std::vector<PlaceAlong> ways(std::span<const TrackRow> run, const Axis& axis) {
         {found.back().at_px + row.*axis.move, found.back().variance_px2 + sd_px * sd_px});
   }
   return found;
+}
+
+// The motions of rows that lead on, whose last circle ends them.
+bool leads_elsewhere(std::span<const TrackRow> run, const Axis& axis) {
+  constexpr double kChance = 6, kLeast_px = 0.02;
+  const PlaceAlong moved = ways(run, axis).back();
+  const TrackRow &from = run.front(), &to = run.back();
+  const double step_px = to.*axis.place - from.*axis.place;
+  const double off_px = std::abs(moved.at_px - step_px) - kAboutCentre * std::abs(step_px);
+  const double circles_px = std::hypot(from.*axis.place_sd, to.*axis.place_sd);
+  return off_px > kLeast_px * static_cast<double>(run.size() - 1) &&
+         off_px > kChance * std::sqrt(moved.variance_px2 + circles_px * circles_px);
 }
 
 // What rows `begin` to `end` say of where the ball is in row `of`, the motions between believed.
@@ -104,7 +90,8 @@ void compare_with_path(std::span<TrackRow> rows) {
     std::size_t last = first;
     while (last + 1 < rows.size() && last < first + kMost && is_part_of_path(rows[last])) ++last;
     if (last < first + kFewest || !rows[last].circle_ok) continue;
-    if (!leads_elsewhere(rows, first, last)) continue;
+    const auto run = rows.subspan(first, last + 1 - first);
+    if (!leads_elsewhere(run, kX) && !leads_elsewhere(run, kY)) continue;
     for (std::size_t i = first; i < last; ++i) wrong[i] = true;
   }
   for (std::size_t i = 0; i < rows.size(); ++i) wrong[i] = wrong[i] && !is_borne_out(rows, i);
