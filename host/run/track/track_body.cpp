@@ -118,7 +118,7 @@ void TrackRun::leave_out_still_edges(const std::vector<advice::MovedBall>& moved
                           result_.advice.texture->noise, frames);
   options_.estimator.moving = edges.moving;
   edges_cover_ball_ = edges.cover_ball;
-  if (!options_.estimator.moving) return;
+  if (!edges.moving || edges.cover_ball) return;  // a warning says the latter
   caller_.say(MessageKind::kNote,
               "something stands still before the ball, or shines on it: its edges are left out of "
               "the ball's registration");
