@@ -14,6 +14,7 @@
 // (sight.h). LIT 1: f is what the light makes of the first picture where the second one shows it
 // (light.h). The scale of the weights is the median of |r| of the step before (a histogram's).
 #include "kernels/ball/pass.h"
+#include "kernels/ball/scores.h"
 #include "kernels/ball/step.h"
 #include "kernels/ball/store.h"
 #if PARAMETERS == SPHERE
@@ -30,7 +31,7 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void register_balls(
     __global const BallTask* tasks, __global BallMotion* motions, const BallLimits limits,
     __constant float* smooth_taps, const float4 noise, __global const float* mask,
     __global const int2* corners) {
-  __local float scratch[REDUCE_SCRATCH];
+  __local float scratch[SCORE_SCRATCH > REDUCE_SCRATCH ? SCORE_SCRATCH : REDUCE_SCRATCH];
   __local Shared shared;
   const int item = (int)get_local_id(0);
   BallTask task = tasks[get_group_id(0)];
