@@ -145,18 +145,24 @@ class Search {
     }
   }
 
-  // Puts what lies before a shadow in the shadow's place.
+  // Puts what lies before a shadow in the shadow's place: another circle that was found, or one by
+  // the shadow's own edge.
   void by_shadows() {
     for (FoundBall& dark : found_) {
+      const auto beside = std::ranges::find_if(found_, [&](const FoundBall& ball) {
+        return is_plain_before(ball) && may_cast(ball.circle, dark.circle) &&
+               is_flat_dark(frame_, dark.circle, &ball.circle);
+      });
+      if (beside != found_.end()) {
+        replace(dark.circle, *beside);
+        continue;
+      }
       const auto before = what_casts(frame_, dark.circle);
       if (!before) continue;
       for (const double sd : kCastShadow.found_sd) {
         const FoundBall ball = prove(frame_, *before, sd * before->r_px, options_);
         if (!casts(ball, dark)) continue;
-        const Circle shadow = dark.circle;
-        for (FoundBall& other : found_) {
-          if (same_circle(other.circle, shadow)) other = ball;
-        }
+        replace(dark.circle, ball);
         break;
       }
     }
@@ -215,6 +221,19 @@ class Search {
     });
   }
 
+  void replace(const Circle shadow, const FoundBall ball) {
+    for (FoundBall& other : found_) {
+      if (same_circle(other.circle, shadow)) other = ball;
+    }
+  }
+
+  // Whether so much of its rim is so plain that it may lie before a shadow.
+  static bool is_plain_before(const FoundBall& ball) {
+    return ball.rim_fraction > kCastShadow.much_rim ||
+           (ball.rim_fraction > kCastShadow.half_rim && ball.residual_px < kCastShadow.fair_px) ||
+           (ball.rim_fraction > kCastShadow.least_rim && ball.residual_px < kCastShadow.clean_px);
+  }
+
   void try_circles(const cv::Mat& picture, int shrink) {
     Candidates candidates;
     const auto may_be = [&](const Circle& circle) { return !is_still(circle, 1); };
@@ -232,7 +251,8 @@ class Search {
       const bool best = std::none_of(found_.begin(), found_.end(), [&](const FoundBall& other) {
         return other.score >= ball.score;
       });
-      if (best) best_ = ball.rim_fraction;
+      // A shadow leaves the doubt whether what casts it is still to be found.
+      if (best) best_ = is_flat_dark(frame_, ball.circle, nullptr) ? 0 : ball.rim_fraction;
       found_.push_back(ball);
     }
   }
@@ -240,11 +260,8 @@ class Search {
   // Whether a circle that was proved before another one, which looks like its shadow, shows as much
   // of a rim. A circle about both of them lies off the rims of either.
   bool casts(const FoundBall& ball, const FoundBall& dark) const {
-    const bool plain =
-        ball.rim_fraction > kCastShadow.much_rim ||
-        (ball.rim_fraction > kCastShadow.half_rim && ball.residual_px < kCastShadow.fair_px) ||
-        (ball.rim_fraction > kCastShadow.least_rim && ball.residual_px < kCastShadow.clean_px);
-    if (!plain || !may_cast(ball.circle, dark.circle) || is_still(ball.circle, ball.rim_fraction)) {
+    if (!is_plain_before(ball) || !may_cast(ball.circle, dark.circle) ||
+        is_still(ball.circle, ball.rim_fraction)) {
       return false;
     }
     const bool about_both = dark.residual_px > kCastShadow.ragged_px &&

@@ -42,6 +42,8 @@ struct Scouted {
   // Whether the candidate is believed to be a ball: frames enough show it, and it moves or shows
   // most of its rim. Speckles, holes and hubs hold circles, too.
   bool is_believed(const BallCandidate& ball) const;
+  // Whether it moves by more than what rests seems to.
+  static bool moves(const BallCandidate& ball);
   // Those that are believed, the best first.
   std::vector<const BallCandidate*> believed() const;
   // To follow `ball`, one of those, and none of the others that are believed; nullptr where there

@@ -16,8 +16,11 @@ std::optional<double> Scouted::radius_px() const {
 bool Scouted::is_believed(const BallCandidate& ball) const {
   const int enough = std::min(kScout.agree, (frames + 1) / 2);
   if (static_cast<int>(ball.sightings.size()) < enough) return false;
-  const double moves = std::max(kScout.moved_px, kScout.moved_of_r * ball.radius_px);
-  return ball.moved_px > moves || ball.rim_fraction >= kScout.resting_rim;
+  return moves(ball) || ball.rim_fraction >= kScout.resting_rim;
+}
+
+bool Scouted::moves(const BallCandidate& ball) {
+  return ball.moved_px > std::max(kScout.moved_px, kScout.moved_of_r * ball.radius_px);
 }
 
 std::vector<const BallCandidate*> Scouted::believed() const {

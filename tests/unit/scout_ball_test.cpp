@@ -76,6 +76,34 @@ TEST(ScoutBall, SpecklesThatEnterFirstAreNotTheBall) {
   }
 }
 
+// The one that moves was called the second ball, since it is never far from the one that rests.
+TEST(ScoutBall, ABallThatRestsBesideOneThatMovesIsNotTheBall) {
+  SynthScene scene;
+  scene.width = 300;
+  scene.height = 200;
+  scene.noise_sigma = 2;
+  const auto painted = sim::speckle::paint_ball("f1", 3, 30);
+  const sim::speckle::BallRenderer renderer(painted, scene);
+  Frame resting;
+  renderer.render(BallPose{90, 110, 0}, 99, resting);
+  std::vector<Frame> frames(30);
+  for (int i = 0; i < 30; ++i) {
+    Frame& frame = frames[static_cast<std::size_t>(i)];
+    // It comes to lie against the other, and part of its rim is hard to see there.
+    const double x = 151.0 + std::max(0.0, 1.5 * (12 - i));
+    renderer.render(BallPose{x, 110, 2.0 * i}, i, frame);
+    for (int y = 0; y < 200; ++y) {
+      for (int column = 0; column < 121; ++column) {
+        if (std::hypot(column - 90.0, y - 110.0) < 32) frame.u8(column, y) = resting.u8(column, y);
+      }
+    }
+  }
+  PictureList clip(std::move(frames));
+  const circle::Scouted scouted = circle::scout_ball(clip, clip.range(), clip.whole(), {});
+  ASSERT_GE(scouted.balls.size(), 1u);
+  EXPECT_GT(scouted.balls.front().moved_px, 10);
+}
+
 TEST(ScoutBall, LivesWithADamagedFrameAndAnEmptyClip) {
   PictureList clip = entering_clip("f1");
   clip.damaged = 12;

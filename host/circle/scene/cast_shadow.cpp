@@ -220,6 +220,37 @@ bool shows_beside(const Frame& frame, const Circle& thing, const Circle& shadow)
          static_cast<double>(plain) > kCastShadow.agree * static_cast<double>(steps.size());
 }
 
+bool is_flat_dark(const Frame& frame, const Circle& disc, const Circle* before) {
+  std::vector<double> inside, about;
+  const double reach_px = kCastShadow.outer * disc.r_px;
+  const double flat_px = (1 - kCastShadow.soft) * disc.r_px;
+  for (double y = -reach_px; y <= reach_px; y += 1) {
+    for (double x = -reach_px; x <= reach_px; x += 1) {
+      const double r_px = std::hypot(x, y);
+      if (r_px > reach_px || (r_px > flat_px && r_px < reach_px - 2)) continue;
+      const double x_px = disc.cx_px + x, y_px = disc.cy_px + y;
+      const bool hidden =
+          before != nullptr && std::hypot(x_px - before->cx_px, y_px - before->cy_px) <
+                                   kCastShadow.beyond * before->r_px;
+      if (const auto grey = grey_at(frame, x_px, y_px); grey && !hidden) {
+        (r_px > flat_px ? about : inside).push_back(*grey);
+      }
+    }
+  }
+  if (static_cast<double>(inside.size()) < kCastShadow.of_disc * kPi * flat_px * flat_px ||
+      about.empty()) {
+    return false;
+  }
+  const double contrast = upper_median(std::move(about)) - upper_median(inside);
+  if (!(contrast > 0)) return false;
+  const double level = upper_median(inside);
+  const auto off = std::ranges::count_if(
+      inside, [&](double grey) { return std::abs(grey - level) > kCastShadow.near * contrast; });
+  return level < kCastShadow.darker * (level + contrast) &&
+         static_cast<double>(off) < (before != nullptr ? kCastShadow.marked : kCastShadow.covered) *
+                                        static_cast<double>(inside.size());
+}
+
 bool may_cast(const Circle& thing, const Circle& shadow) {
   const double off = std::hypot(thing.cx_px - shadow.cx_px, thing.cy_px - shadow.cy_px);
   return same_size(thing.r_px, shadow.r_px) && off > kCastShadow.least_off * shadow.r_px &&

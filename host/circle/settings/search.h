@@ -58,7 +58,11 @@ struct CastShadowSettings {
          of_belt = 0.15;  // under the rim, and the least share of it that is flat [hand]
   double near = 0.15;  // flat is what lies so near the shadow's level, share of its contrast [hand]
   double soft = 0.25;  // width of the shadow's edge, at most [hand]
-  int levels = 2;      // of what is dark under the rim, tried: shadow, ink [hand]
+  double beyond = 1.1;       // of the radius of what lies before it: there it is seen [hand]
+  double of_disc = 0.3;      // least share of it that has to be seen [hand]
+  double marked = 0.05;      // share of it with another level than most of it has, at most, [hand]
+  double covered = 0.4;      // or what an unknown thing may cover [hand]
+  int levels = 2;            // of what is dark under the rim, tried: shadow, ink [hand]
   std::size_t least_px = 3;  // of a flat belt on a ray [hand]
   double least_arc = 0.15;   // share of the rays that show one [hand]
   double on_rim_px = 1.5;    // ends of the belt lie so near the rim of what casts it … [hand]
@@ -110,6 +114,9 @@ struct ScoutSettings {
   // A candidate is believed that so many frames show, or half of fewer; and so much of its rim, on
   // the mean, where it does not move by so much: px, share of the radius.
   double resting_rim = 0.4, moved_px = 1, moved_of_r = 0.02;  // [hand]
+  // One that does not move gives way to one that moves by so much of its radius and shows so much
+  // of as much rim.
+  double plainly_moved_of_r = 0.1, as_plain = 0.5;  // [hand]
   // Another ball is seen beside the best in so many frames, shows so much of its rim and is not
   // smaller than so much of it.
   int at_once = 2;

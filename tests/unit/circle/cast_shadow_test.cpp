@@ -88,6 +88,22 @@ TEST(CastShadow, IsNotFoundForTheBall) {
   }
 }
 
+// One so far from the ball that the ball hides little of it, or nothing, looks rounder than the
+// ball.
+TEST(CastShadow, BesideTheBallIsNotFoundForIt) {
+  for (const char* pattern : {"a2", "d2", "e1", "e2", "f1"}) {
+    for (const Offset& at : {Offset{80, 50}, Offset{-60, -75}, Offset{-20, 85}}) {
+      const Shown s = shown(pattern, at, 0.4);
+      const auto found = circle::find_ball(s.frame, {});
+      ASSERT_TRUE(found) << pattern << at.x_px;
+      EXPECT_LT(off_px(*found, s.ball), 2) << pattern << at.x_px;
+      const Circle shadow{s.ball.cx_px + at.x_px, s.ball.cy_px + at.y_px, 60};
+      EXPECT_TRUE(circle::is_flat_dark(s.frame, shadow, &s.ball)) << pattern << at.x_px;
+      EXPECT_FALSE(circle::is_flat_dark(s.frame, s.ball, nullptr)) << pattern << at.x_px;
+    }
+  }
+}
+
 // Of a lit sphere of large marks, too, the rim is plain where it lies beside its shadow.
 TEST(CastShadow, LeavesTheBallsRimPlainBesideIt) {
   const LightScene scene{
