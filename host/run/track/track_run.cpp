@@ -98,6 +98,7 @@ void TrackRun::look() {
   request.with_field = options_.with_field;
   request.rim_margin_px = options_.estimator.rim_margin_px;
   scout(request);
+  const std::string uneven = even_out_sensor(request);
   std::vector<advice::BallPair> pairs;
   result_.advice = advice::advise_clip(*source_, request, registers_ball() ? &pairs : nullptr);
   if (result_.advice.reflex_alone) {
@@ -109,6 +110,7 @@ void TrackRun::look() {
   choose_body(pairs, request);
   result_.warnings = all_warnings(request_.clip, info(), result_.advice);
   result_.warnings.insert(result_.warnings.end(), clock_warnings_.begin(), clock_warnings_.end());
+  if (!uneven.empty()) result_.warnings.push_back(uneven);
   if (!second_ball_warning_.empty()) result_.warnings.push_back(second_ball_warning_);
   if (request_.ball_diameter_mm == 0 && request_.mm_per_px == 0 && !camera_) {
     result_.warnings.push_back(

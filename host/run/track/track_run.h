@@ -70,6 +70,9 @@ class TrackRun {
   void choose_ball(const circle::Scouted& found, bool known, advice::AdviceRequest& request);
   // Looks for the ball in frames spread over the clip.
   void scout(advice::AdviceRequest& request);
+  // Takes off what the sensor's columns and rows add, and scouts again; what is said of it, or
+  // nothing where they add nothing.
+  std::string even_out_sensor(advice::AdviceRequest& request);
   // Looks for the surface's edge, and compares it with the angle that was given.
   void look_for_surface();
   // Sphere or disc, and what is known of it, by the pairs of frames that the look found.

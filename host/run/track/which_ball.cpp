@@ -1,15 +1,18 @@
 // Which of the balls that a clip shows a run measures.
 #include <impactdic/error.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <string>
 #include <vector>
 
 #include "host/advice/clip_advice.h"
+#include "host/advice/sensor_lines.h"
 #include "host/circle/scout_ball.h"
 #include "host/clip/ball_by_hand.h"
 #include "host/run/session.h"
 #include "host/run/track/track_run.h"
+#include "host/video/even_lines.h"
 
 namespace impactdic::run {
 
@@ -62,6 +65,24 @@ void TrackRun::scout(advice::AdviceRequest& request) {
       options_.ball.choice = request.choice = found.choose(ball);
     }
   }
+}
+
+std::string TrackRun::even_out_sensor(advice::AdviceRequest& request) {
+  if (scouted_->balls.empty()) return {};
+  const auto lines =
+      advice::sensor_lines(*source_, options_.frames, options_.roi, scouted_->balls.front());
+  if (!lines) return {};
+  source_ = video::even_lines(source_, lines->pattern);
+  scouted_.reset();
+  scout(request);
+  char text[200];
+  const bool both = lines->columns_rms > 0 && lines->rows_rms > 0;
+  std::snprintf(text, sizeof text,
+                "the sensor's %s%s%s differ by %.1f grey levels of 255 (rms): that is taken off as "
+                "far as the ball shows it; let the camera correct its black level and gains",
+                lines->columns_rms > 0 ? "columns" : "", both ? " and " : "",
+                lines->rows_rms > 0 ? "rows" : "", std::max(lines->columns_rms, lines->rows_rms));
+  return text;
 }
 
 }  // namespace impactdic::run
