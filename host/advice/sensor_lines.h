@@ -7,7 +7,7 @@
 #include "host/circle/scout_ball.h"
 #include "host/clip/frame_range.h"
 #include "host/clip/roi.h"
-#include "host/video/even_lines.h"
+#include "host/video/levels/even_lines.h"
 
 namespace impactdic::advice {
 

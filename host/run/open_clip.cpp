@@ -8,7 +8,7 @@
 #include "host/clip/frame_range.h"
 #include "host/clip/roi.h"
 #include "host/video/frame_source.h"
-#include "host/video/linear_light.h"
+#include "host/video/levels/linear_light.h"
 
 namespace impactdic {
 

@@ -12,7 +12,7 @@
 #include "host/clip/ball_by_hand.h"
 #include "host/run/session.h"
 #include "host/run/track/track_run.h"
-#include "host/video/even_lines.h"
+#include "host/video/levels/even_lines.h"
 
 namespace impactdic::run {
 

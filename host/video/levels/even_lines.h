@@ -22,6 +22,7 @@ struct SensorPattern {
 // The clip with the pattern taken off; in 16 bits where it had 8, so that less than a grey level
 // can be. Pixels at either end of the scale stay there: what they show is not known. Throws
 // InvalidArgument for a pattern of another size.
-std::shared_ptr<FrameSource> even_lines(std::shared_ptr<FrameSource> source, SensorPattern pattern);
+std::shared_ptr<FrameSource> even_lines(std::shared_ptr<FrameSource> source,
+                                        const SensorPattern& pattern);
 
 }  // namespace impactdic::video

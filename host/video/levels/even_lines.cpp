@@ -1,4 +1,4 @@
-#include "host/video/even_lines.h"
+#include "host/video/levels/even_lines.h"
 
 #include <impactdic/error.h>
 
@@ -72,7 +72,7 @@ class EvenLines : public FrameSource {
         const auto level = static_cast<float>(from[x]);
         const float even = (level * column.factor - column.shift) * row.factor - row.shift;
         const float kept = level <= 0 || level >= full_ ? level : std::clamp(even, 0.0f, full_);
-        out[x] = static_cast<std::uint16_t>(kept * by_ + 0.5f);
+        out[x] = static_cast<std::uint16_t>(std::lround(kept * by_));
       }
     }
   }
@@ -86,7 +86,7 @@ class EvenLines : public FrameSource {
 }  // namespace
 
 std::shared_ptr<FrameSource> even_lines(std::shared_ptr<FrameSource> source,
-                                        SensorPattern pattern) {
+                                        const SensorPattern& pattern) {
   return std::make_shared<EvenLines>(std::move(source), pattern);
 }
 

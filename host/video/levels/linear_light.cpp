@@ -1,4 +1,4 @@
-#include "host/video/linear_light.h"
+#include "host/video/levels/linear_light.h"
 
 #include <impactdic/error.h>
 
