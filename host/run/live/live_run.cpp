@@ -174,6 +174,7 @@ void LiveRun::measure() {
   looked.clip.source = source;
   TrackResult about;
   run::TrackRun run(looked, session_, caller_, about);
+  run.leave_grey_levels();
   run.look();
   result_.body = about.body;
   result_.body_reason = about.body_reason;

@@ -34,7 +34,12 @@ class TrackRun {
   // The ball as another run over the same frames, region and radii has scouted it, so that this one
   // need not. Figures then differ in their last digits from those of a run that was told nothing.
   void know(circle::Scouted scouted) { scouted_ = std::move(scouted); }
-  const std::optional<circle::Scouted>& scouted() const { return scouted_; }
+  const std::optional<circle::Scouted>& scouted() const {
+    return as_filmed_ ? as_filmed_ : scouted_;
+  }
+  // Before `look`, where other frames will be measured than the source has: they come as they were
+  // filmed, and those looked at are to have the same grey levels.
+  void leave_grey_levels() { evens_out_sensor_ = false; }
   // In place of `look`, where circles alone are wanted at once: says nothing of texture and light.
   void look_for_ball();
   // Looks at the texture: the noise that windows are judged by, and the warnings.
@@ -119,11 +124,13 @@ class TrackRun {
   pipeline::TrackOptions options_;
   std::vector<std::string> clock_warnings_;
   std::optional<circle::Scouted> scouted_;
+  std::optional<circle::Scouted> as_filmed_;  // before the sensor's pattern was taken off
   std::string second_ball_warning_;  // "": none is seen
   std::optional<Camera> camera_;
   motion::Perspective perspective_;  // of a sphere, in the whole frames
   std::optional<Measured> surface_in_picture_;
   std::optional<motion::RoundBody> round_body_;  // of kSpheroid
+  bool evens_out_sensor_ = true;
   bool edges_cover_ball_ = false;                // see advice::StillEdges
 };
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host/advice/clip_advice.h"
@@ -68,12 +69,12 @@ void TrackRun::scout(advice::AdviceRequest& request) {
 }
 
 std::string TrackRun::even_out_sensor(advice::AdviceRequest& request) {
-  if (scouted_->balls.empty()) return {};
+  if (!evens_out_sensor_ || scouted_->balls.empty()) return {};
   const auto lines =
       advice::sensor_lines(*source_, options_.frames, options_.roi, scouted_->balls.front());
   if (!lines) return {};
   source_ = video::even_lines(source_, lines->pattern);
-  scouted_.reset();
+  as_filmed_ = std::exchange(scouted_, std::nullopt);
   scout(request);
   char text[200];
   const bool both = lines->columns_rms > 0 && lines->rows_rms > 0;
