@@ -24,6 +24,7 @@ constexpr std::size_t kLeastSightings = 6;  // [hand]
 constexpr double kLeastMovedPx = 8;         // along the axis: a speckle or more [hand]
 constexpr std::size_t kLeastSteps = 40;     // of a line, in one of four parts [hand]
 constexpr int kLeastLines = 40;             // [hand]
+constexpr int kNextTo = 6;                  // lines so far apart share no step [hand]
 // Parts that share no texture are alike by so many of the deviations that chance lets them be, in
 // the first frames and in all, and lines differ by so much, grey levels of 255.
 constexpr double kWorthALook = 3, kPlain = 5;  // [hand]
@@ -110,28 +111,31 @@ void take_off_slow(std::vector<double>& values) {
   for (std::size_t k = 0; k < values.size(); ++k) values[k] -= slow[k];
 }
 
-// A correlation of two lists, of where both have values; values beyond four times the usual count
-// as that: a bar's edge is no pattern.
+// A correlation of two lists, of where both have values, and what it is by chance; values beyond
+// six times the usual count as that: a bar's edge is no pattern.
 struct Alike {
-  double covariance = 0, correlation = 0;
+  double covariance = 0, correlation = 0, chance = 1;
   int lines = 0;
-  double deviations() const { return correlation * std::sqrt(lines); }
+  double deviations() const { return correlation / chance; }
 };
 
-Alike compare(std::vector<double> a, std::vector<double> b) {
+// `shift`: by so many lines they are compared beside where they belong.
+Alike compare(const std::vector<double>& a, const std::vector<double>& b, int shift) {
+  std::vector<std::array<double, 2>> pairs;
   std::vector<double> sizes_a, sizes_b;
   for (std::size_t k = 0; k < a.size(); ++k) {
-    if (std::isnan(a[k]) || std::isnan(b[k])) continue;
-    sizes_a.push_back(std::abs(a[k])), sizes_b.push_back(std::abs(b[k]));
+    const auto other = static_cast<std::size_t>(static_cast<int>(k) + shift);  // large below 0
+    if (other >= b.size() || std::isnan(a[k]) || std::isnan(b[other])) continue;
+    pairs.push_back({a[k], b[other]});
+    sizes_a.push_back(std::abs(a[k])), sizes_b.push_back(std::abs(b[other]));
   }
   Alike alike;
-  alike.lines = static_cast<int>(sizes_a.size());
-  if (alike.lines < kLeastLines) return alike;
+  alike.lines = static_cast<int>(pairs.size());
+  if (pairs.empty()) return alike;
   const double most_a = 6 * upper_median(sizes_a), most_b = 6 * upper_median(sizes_b);
   double aa = 0, ab = 0, bb = 0;
-  for (std::size_t k = 0; k < a.size(); ++k) {
-    if (std::isnan(a[k]) || std::isnan(b[k])) continue;
-    const double x = std::clamp(a[k], -most_a, most_a), y = std::clamp(b[k], -most_b, most_b);
+  for (const auto& [own, other] : pairs) {
+    const double x = std::clamp(own, -most_a, most_a), y = std::clamp(other, -most_b, most_b);
     aa += x * x, ab += x * y, bb += y * y;
   }
   if (aa > 0 && bb > 0) {
@@ -141,11 +145,26 @@ Alike compare(std::vector<double> a, std::vector<double> b) {
   return alike;
 }
 
-// The likeness of parts that share neither rows nor frames.
+// The likeness of parts that share neither rows nor frames. Chance is what lines that do not belong
+// together show, for a texture's steps are alike over some lines; and no less than of independent
+// ones.
 Alike likeness(const std::array<std::vector<double>, kParts>& parts) {
-  const Alike one = compare(parts[0], parts[3]), other = compare(parts[1], parts[2]);
-  return {(one.covariance + other.covariance) / 2, std::min(one.correlation, other.correlation),
-          std::min(one.lines, other.lines)};
+  const Alike one = compare(parts[0], parts[3], 0), other = compare(parts[1], parts[2], 0);
+  Alike both;
+  both.covariance = (one.covariance + other.covariance) / 2;
+  both.correlation = (one.correlation + other.correlation) / 2;
+  both.lines = std::min(one.lines, other.lines);
+  if (both.lines < kLeastLines) return both;
+  double squares = 0, count = 0;
+  for (int shift = kNextTo; shift < both.lines / 2; ++shift) {
+    for (const int by : {-shift, shift}) {
+      squares += std::pow(compare(parts[0], parts[3], by).correlation, 2);
+      squares += std::pow(compare(parts[1], parts[2], by).correlation, 2);
+      count += 2;
+    }
+  }
+  both.chance = std::sqrt(std::max(squares / count, 1.0 / both.lines) / 2);
+  return both;
 }
 
 // The lines' own values by the steps between them, each with this variance, where lines have that

@@ -49,6 +49,8 @@ struct Scouted {
   // To follow `ball`, one of those, and none of the others that are believed; nullptr where there
   // is no other.
   std::shared_ptr<const BallChoice> choose(const BallCandidate& ball) const;
+  // Whether another one that is believed rests while the best one moves.
+  bool rests_beside_the_best() const;
   // A ball beside the best one; nullptr where there is none.
   const BallCandidate* second_ball() const;
 };

@@ -47,6 +47,11 @@ std::shared_ptr<const BallChoice> Scouted::choose(const BallCandidate& ball) con
   return std::make_shared<BallChoice>(places(ball), std::move(others));
 }
 
+bool Scouted::rests_beside_the_best() const {
+  return !balls.empty() && is_believed(balls.front()) && moves(balls.front()) &&
+         std::ranges::any_of(believed(), [](const BallCandidate* ball) { return !moves(*ball); });
+}
+
 const BallCandidate* Scouted::second_ball() const {
   // Seen at once: the same ball may look larger in a hand, or nearer to the camera.
   const auto beside_the_best = [&](const BallCandidate::Sighting& one) {

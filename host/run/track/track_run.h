@@ -125,13 +125,13 @@ class TrackRun {
   std::vector<std::string> clock_warnings_;
   std::optional<circle::Scouted> scouted_;
   std::optional<circle::Scouted> as_filmed_;  // before the sensor's pattern was taken off
-  std::string second_ball_warning_;  // "": none is seen
+  std::string second_ball_warning_;           // "": none is seen
   std::optional<Camera> camera_;
   motion::Perspective perspective_;  // of a sphere, in the whole frames
   std::optional<Measured> surface_in_picture_;
   std::optional<motion::RoundBody> round_body_;  // of kSpheroid
   bool evens_out_sensor_ = true;
-  bool edges_cover_ball_ = false;                // see advice::StillEdges
+  bool edges_cover_ball_ = false;  // see advice::StillEdges
 };
 
 // Gives a frame to a caller's sink, which is not empty.

@@ -49,6 +49,9 @@ void TrackRun::scout(advice::AdviceRequest& request) {
     if (known) request.sightings = found.balls.front().sightings;
     request.spare_sightings = found.balls.front().sightings;
   }
+  if (found.rests_beside_the_best()) {  // it is told by its place, whatever the scene says of it
+    options_.ball.choice = request.choice = found.choose(found.balls.front());
+  }
   if (const circle::BallCandidate* other = found.second_ball()) {
     const circle::BallCandidate::Sighting& seen = other->sightings.front();
     char text[240];
@@ -60,11 +63,6 @@ void TrackRun::scout(advice::AdviceRequest& request) {
         seen.ball.circle.cy_px + options_.roi.y,
         static_cast<long long>(options_.frames.at(seen.index)), *found.radius_px());
     second_ball_warning_ = text;
-    // One that rests is told by its place, whatever the scene says of it.
-    const circle::BallCandidate& ball = found.balls.front();
-    if (!circle::Scouted::moves(*other) && circle::Scouted::moves(ball)) {
-      options_.ball.choice = request.choice = found.choose(ball);
-    }
   }
 }
 
