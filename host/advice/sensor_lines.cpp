@@ -58,34 +58,33 @@ class Steps {
 
 // A line's step at the mean level, and what it gains by a grey level; both without the texture's.
 struct LineStep {
-  double step = 0, slope = 0, scale = 0;
-  std::size_t count = 0;
+  double step = 0, slope = 0;
 };
 
 LineStep fit(const std::vector<Step>& steps, double level) {
   LineStep line;
-  line.count = steps.size();
   if (steps.empty()) return line;
   std::vector<double> values;
   for (const Step& s : steps) values.push_back(s.step);
   line.step = upper_median(values);
+  double scale = 0;
   for (int k = 0; k < kRefits; ++k) {
     if (k < 3) {  // the scale settles
       values.clear();
       for (const Step& s : steps) {
         values.push_back(std::abs(s.step - line.step - line.slope * (s.level - level)));
       }
-      line.scale = std::max(0.5, kTukey * 1.4826 * upper_median(values));
+      scale = std::max(0.5, kTukey * 1.4826 * upper_median(values));
     }
     double n = 0, x = 0, xx = 0, y = 0, xy = 0;
     for (const Step& s : steps) {
       const double at = s.level - level;
-      const double u = (s.step - line.step - line.slope * at) / line.scale;
+      const double u = (s.step - line.step - line.slope * at) / scale;
       if (std::abs(u) >= 1) continue;
       const double w = (1 - u * u) * (1 - u * u);
       n += w, x += w * at, xx += w * at * at, y += w * s.step, xy += w * at * s.step;
     }
-    const double variance = line.scale * line.scale / (kTukey * kTukey);
+    const double variance = scale * scale / (kTukey * kTukey);
     xx += variance / (2 * kGainPrior * kGainPrior);
     const double det = n * xx - x * x;
     if (!(det > 0)) break;
@@ -236,10 +235,8 @@ std::optional<video::LinePattern> pattern_of(const Steps& steps, double plain, d
     for (std::vector<double>& values : *list) take_off_slow(values);
   }
   const Alike alike = likeness(of_part);
-  const double rms = std::sqrt(std::max(0.0, alike.covariance / 2));
-  if (alike.deviations() < plain || rms < least_rms) {
-    return std::nullopt;
-  }
+  const double of_a_line = std::sqrt(std::max(0.0, alike.covariance / 2));
+  if (alike.deviations() < plain || of_a_line < least_rms) return std::nullopt;
   take_off_slow(all);
   take_off_slow(all_slopes);
   // A part's covariance with another is the pattern's own: twice a line's variance.

@@ -139,19 +139,6 @@ std::vector<BallCandidate> rank(std::vector<Glance> glances) {
   return balls;
 }
 
-// A thing that never moves is not the ball where another does that is as plain, even if what moves
-// passes so near that the scene does not call the thing still.
-void put_mover_first(Scouted& scouted) {
-  if (scouted.balls.empty()) return;
-  const BallCandidate& best = scouted.balls.front();
-  if (Scouted::moves(best)) return;
-  const auto mover = std::ranges::find_if(scouted.balls, [&](const BallCandidate& ball) {
-    return Scouted::moves(ball) && ball.moved_px > kScout.plainly_moved_of_r * ball.radius_px &&
-           scouted.is_believed(ball) && ball.score > kScout.as_plain * best.score;
-  });
-  if (mover != scouted.balls.end()) std::rotate(scouted.balls.begin(), mover, mover + 1);
-}
-
 // The scouting of one clip, in rounds of more and more frames.
 class Scouting {
  public:
@@ -253,7 +240,7 @@ class Scouting {
     if (!any_rests) scouted.scene = learnt_.scene;
     scouted.still = learnt_.nothing_moves;
     scouted.balls = rank(std::move(glances));
-    put_mover_first(scouted);
+    scouted.put_mover_first();
     return scouted;
   }
 

@@ -49,6 +49,9 @@ struct Scouted {
   // To follow `ball`, one of those, and none of the others that are believed; nullptr where there
   // is no other.
   std::shared_ptr<const BallChoice> choose(const BallCandidate& ball) const;
+  // A thing that never moves is not the ball where another does that is as plain, even if what
+  // moves passes so near that the scene does not call the thing still.
+  void put_mover_first();
   // Whether another one that is believed rests while the best one moves.
   bool rests_beside_the_best() const;
   // A ball beside the best one; nullptr where there is none.

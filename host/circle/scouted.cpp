@@ -47,6 +47,16 @@ std::shared_ptr<const BallChoice> Scouted::choose(const BallCandidate& ball) con
   return std::make_shared<BallChoice>(places(ball), std::move(others));
 }
 
+void Scouted::put_mover_first() {
+  if (balls.empty() || moves(balls.front())) return;
+  const double enough = kScout.as_plain * balls.front().score;
+  const auto mover = std::ranges::find_if(balls, [&](const BallCandidate& ball) {
+    return moves(ball) && ball.moved_px > kScout.plainly_moved_of_r * ball.radius_px &&
+           is_believed(ball) && ball.score > enough;
+  });
+  if (mover != balls.end()) std::rotate(balls.begin(), mover, mover + 1);
+}
+
 bool Scouted::rests_beside_the_best() const {
   return !balls.empty() && is_believed(balls.front()) && moves(balls.front()) &&
          std::ranges::any_of(believed(), [](const BallCandidate* ball) { return !moves(*ball); });

@@ -77,31 +77,24 @@ TEST(ScoutBall, SpecklesThatEnterFirstAreNotTheBall) {
 }
 
 // The one that moves was called the second ball, since it is never far from the one that rests.
-TEST(ScoutBall, ABallThatRestsBesideOneThatMovesIsNotTheBall) {
-  SynthScene scene;
-  scene.width = 300;
-  scene.height = 200;
-  scene.noise_sigma = 2;
-  const auto painted = sim::speckle::paint_ball("f1", 3, 30);
-  const sim::speckle::BallRenderer renderer(painted, scene);
-  Frame resting;
-  renderer.render(BallPose{90, 110, 0}, 99, resting);
-  std::vector<Frame> frames(30);
-  for (int i = 0; i < 30; ++i) {
-    Frame& frame = frames[static_cast<std::size_t>(i)];
-    // It comes to lie against the other, and part of its rim is hard to see there.
-    const double x = 151.0 + std::max(0.0, 1.5 * (12 - i));
-    renderer.render(BallPose{x, 110, 2.0 * i}, i, frame);
-    for (int y = 0; y < 200; ++y) {
-      for (int column = 0; column < 121; ++column) {
-        if (std::hypot(column - 90.0, y - 110.0) < 32) frame.u8(column, y) = resting.u8(column, y);
-      }
-    }
-  }
-  PictureList clip(std::move(frames));
-  const circle::Scouted scouted = circle::scout_ball(clip, clip.range(), clip.whole(), {});
-  ASSERT_GE(scouted.balls.size(), 1u);
-  EXPECT_GT(scouted.balls.front().moved_px, 10);
+TEST(ScoutBall, ABallThatMovesComesBeforeOneThatRests) {
+  const auto candidate = [](double moved_px, double score) {
+    circle::BallCandidate ball{.radius_px = 30, .moved_px = moved_px, .rim_fraction = 0.55};
+    ball.score = score;
+    ball.sightings.resize(12);
+    return ball;
+  };
+  const auto first_moves_by = [&](double best_px, double other_px, double other_score) {
+    circle::Scouted scouted;
+    scouted.frames = 12;
+    scouted.balls = {candidate(best_px, 200), candidate(other_px, other_score)};
+    scouted.put_mover_first();
+    return scouted.balls.front().moved_px;
+  };
+  EXPECT_EQ(first_moves_by(0.1, 25, 190), 25);
+  EXPECT_EQ(first_moves_by(0.1, 25, 50), 0.1);  // it shows too little of its rim
+  EXPECT_EQ(first_moves_by(0.1, 2, 190), 0.1);  // it hardly moves
+  EXPECT_EQ(first_moves_by(12, 25, 190), 12);   // both move
 }
 
 TEST(ScoutBall, LivesWithADamagedFrameAndAnEmptyClip) {

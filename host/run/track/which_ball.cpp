@@ -39,6 +39,7 @@ void TrackRun::scout(advice::AdviceRequest& request) {
     scouted_ = circle::scout_ball(*source_, options_.frames, options_.roi, options_.ball.circle);
   }
   const circle::Scouted& found = *scouted_;
+  second_ball_warning_.clear();
   options_.scouted = true;
   options_.ball.scouted_radius_px = request.radius_px =
       radius_by_hand(found.radius_px(), request_.ball_at);
@@ -68,8 +69,10 @@ void TrackRun::scout(advice::AdviceRequest& request) {
 
 std::string TrackRun::even_out_sensor(advice::AdviceRequest& request) {
   if (!evens_out_sensor_ || scouted_->balls.empty()) return {};
-  const auto lines =
-      advice::sensor_lines(*source_, options_.frames, options_.roi, scouted_->balls.front());
+  const circle::BallCandidate& ball =
+      request_.ball > 0 ? *scouted_->believed()[static_cast<std::size_t>(request_.ball) - 1]
+                        : scouted_->balls.front();
+  const auto lines = advice::sensor_lines(*source_, options_.frames, options_.roi, ball);
   if (!lines) return {};
   source_ = video::even_lines(source_, lines->pattern);
   as_filmed_ = std::exchange(scouted_, std::nullopt);

@@ -29,15 +29,17 @@ struct Shown {
 
 // A ball of 60 px before a wall that is bright but for its shadow, whose edge is soft.
 Shown shown(const LightScene& scene, Offset shadow, double left, std::uint64_t seed = 3) {
+  const double radius_px = scene.radius_px;
   LightClip clip(scene, seed, 1);
   Shown out;
   clip.render(0, out.frame);
   const BallPose& pose = clip.poses()[0];
-  out.ball = {pose.cx_px, pose.cy_px, 60};
+  out.ball = {pose.cx_px, pose.cy_px, radius_px};
   for (int y = 0; y < out.frame.height(); ++y) {
     for (int x = 0; x < out.frame.width(); ++x) {
-      const double off = std::hypot(x - pose.cx_px, y - pose.cy_px) - 60;
-      const double in = 60 - std::hypot(x - pose.cx_px - shadow.x_px, y - pose.cy_px - shadow.y_px);
+      const double off = std::hypot(x - pose.cx_px, y - pose.cy_px) - radius_px;
+      const double in =
+          radius_px - std::hypot(x - pose.cx_px - shadow.x_px, y - pose.cy_px - shadow.y_px);
       const double light = 1 - (1 - left) / (1 + std::exp(-in / 2));
       const double behind = std::clamp(off + 0.5, 0.0, 1.0);
       const double level = out.frame.u8(x, y);
@@ -100,6 +102,25 @@ TEST(CastShadow, BesideTheBallIsNotFoundForIt) {
       const Circle shadow{s.ball.cx_px + at.x_px, s.ball.cy_px + at.y_px, 60};
       EXPECT_TRUE(circle::is_flat_dark(s.frame, shadow, &s.ball)) << pattern << at.x_px;
       EXPECT_FALSE(circle::is_flat_dark(s.frame, s.ball, nullptr)) << pattern << at.x_px;
+    }
+  }
+}
+
+// A small one was followed all along a clip.
+TEST(CastShadow, BesideASmallBallIsNotFoundForIt) {
+  for (const char* pattern : {"e2", "f1"}) {
+    for (const bool sphere : {false, true}) {
+      const LightScene scene{.name = "shadow",
+                             .sphere = sphere,
+                             .pattern = pattern,
+                             .radius_px = 30,
+                             .lamp_share = sphere ? 0.2 : 0};
+      for (const std::uint64_t seed : {1, 2, 3}) {
+        const Shown s = shown(scene, {40, 25}, 0.4, seed);
+        const auto found = circle::find_ball(s.frame, {});
+        ASSERT_TRUE(found) << pattern << sphere << seed;
+        EXPECT_LT(off_px(*found, s.ball), 2) << pattern << sphere << seed;
+      }
     }
   }
 }
