@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "sim/fit/calibration.h"
@@ -83,6 +84,20 @@ std::vector<Case> cases() {
   next.track.frames_before = next.track.frames_after = 25;
   next.track.frames_contact = 8;
   all.push_back(next);
+  // Steps as a ball of 30 px shows them: 0.005 px of 1 mm.
+  for (const auto& [name, fps, frames, contact] : {std::tuple{"small ball, 2000/s", 2000, 40, 15},
+                                                   {"small ball, 4000/s", 4000, 50, 30},
+                                                   {"small ball, 10000/s", 10000, 60, 70},
+                                                   {"small ball, 20000/s", 20000, 80, 140}}) {
+    next = {name, ball(30, -1.6, -2.8)};
+    next.track.motion = true;
+    next.track.position_noise_m = next.track.stated_sd_m = 10e-6;
+    next.track.motion_noise_m = 5e-6, next.track.turn_noise_rad = 2e-4;
+    next.track.fps = fps;
+    next.track.frames_before = next.track.frames_after = frames;
+    next.track.frames_contact = contact;
+    all.push_back(next);
+  }
   return all;
 }
 
@@ -153,9 +168,9 @@ void run(unsigned count, unsigned first, const std::string& wanted) {
     for (const auto& [why, times] : refused) std::printf("  refused %d: %s\n", times, why.c_str());
     for (const auto& [name, s] : scores) {
       if (s.count == 0) continue;
-      std::printf("  %-28s rms error %9.4f  bias %9.4f  stated %9.4f  inside %5.1f %%\n",
+      std::printf("  %-28s rms error %9.4f  bias %9.4f  stated %9.4f  inside %5.1f %%  of %.0f\n",
                   name.c_str(), std::sqrt(s.squares / s.count), s.bias / s.count,
-                  s.stated / s.count, 100 * s.inside / s.count);
+                  s.stated / s.count, 100 * s.inside / s.count, s.count);
     }
   }
 }

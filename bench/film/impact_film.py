@@ -8,6 +8,8 @@ restitution, friction and spin with the simulation.
     bench/film/impact_film.py build/release/impactdic FIRST LAST [NAME,...] [--job JOB.toml]
                               [--bodies disc,sphere] [--patterns e1,...] [OPTION OF TRACK ...]
 
+NAME+NAME makes both changes, the first one first.
+
 One line a change and body, over the seeds: impacts that were found; rows with status ok, rows of
 those by more than five stated deviations and 0.02 px or degrees off; the largest error over
 deviation of restitution, friction and spin; what was warned of. Needs numpy. A clip takes 3 s.
@@ -55,7 +57,8 @@ def paint(arguments, name, body, seed, folder):
     shot = Shot(folder, seed)
     film = file.astype(float)
     shot.behind = lambda: share_behind(arguments, body, seed, file)
-    film = CHANGES[name](shot, film)
+    for change in name.split('+'):
+        film = CHANGES[change](shot, film)
     film += np.random.default_rng([seed, 7]).normal(0, NOISE, film.shape)
     file[:] = np.clip(film + 0.5, 0, 255).astype(np.uint8)
     file.flush()
@@ -133,7 +136,8 @@ def parsed():
     arguments, arguments.options = parser.parse_known_args()
     arguments.names = arguments.names.split(',')
     arguments.patterns = arguments.patterns.split(',')
-    if unknown := [name for name in arguments.names if name not in CHANGES]:
+    asked = [change for name in arguments.names for change in name.split('+')]
+    if unknown := [change for change in asked if change not in CHANGES]:
         parser.error(f"no change is called '{unknown[0]}': {', '.join(CHANGES)}")
     job = tomllib.loads(pathlib.Path(arguments.job).read_text())
     arguments.diameter_mm = 1000 * job['body']['diameter_m']

@@ -37,7 +37,7 @@ class Analysis {
   bool back_off();
   void refit(double length);
   void find_edges(double start_guess, double end_guess);
-  ContactEdge edge(bool end, double near) const;
+  ContactEdge edge(bool end, double near, bool likeliest_alone) const;
   double edge_per_gravity(bool end) const;
   void set_radius(const FreeRadius& radius);
   using Instant = std::function<double(const ImpactSources::Vector&)>;

@@ -56,18 +56,18 @@ std::vector<Observation> observations(const ImpactSeries& s, double from, double
   return result;
 }
 
-// Centres alone seldom tell touch, exponent and damper apart. What the laws of contact have in
-// common is then part of the data: a power between the linear spring's 1 and Hertz's 1.5, and a
-// damper of less than the peak force.
-constexpr double kTolerance = 1e-11, kKnownTolerance = 1e-8;
-constexpr double kUsualExponent = 1.25, kExponentSd = 0.25;
-constexpr double kUsualDamping = 0.15, kDampingSd = 0.3;
-constexpr double kPushingSd = 0.02;  // a damper does not push
+// Short or noisy contacts seldom tell touch, exponent and damper apart. What the laws of contact
+// have in common is part of the data: a power about the linear spring's 1 and Hertz's 1.5, and a
+// damper of less than the peak force that does not push.
+constexpr double kTolerance = 1e-8;
+constexpr double kUsualExponent = 1.25, kExponentSd = 0.35;
+constexpr double kUsualDamping = 0.15, kDampingSd = 0.5;
+constexpr double kPushingSd = 0.02;
 
 class EdgeFit {
  public:
   EdgeFit(const ImpactSeries& series, const EdgeRequest& request)
-      : request_(request), sign_(request.end ? -1 : 1), known_laws_(series.from_circle) {
+      : request_(request), sign_(request.end ? -1 : 1) {
     const double inner = request.turn, outer = static_cast<double>(request.from);
     for (const Observation& o : observations(series, std::min(inner, outer), std::max(inner, outer),
                                              request.position_scale, request.step_scale)) {
@@ -93,28 +93,28 @@ class EdgeFit {
     }
   }
 
-  ContactEdge fit(double reach) {
+  // Up to so much of the way to the maximum compression; the last of these is kept in any case.
+  ContactEdge fit(double reach, bool is_last) {
     const double until = sign_ * request_.guess * (1 - reach) + sign_ * request_.turn * reach;
     std::vector<Observation> data;
     for (const Observation& o : data_) {
       if (o.to <= until) data.push_back(o);
     }
-    std::vector<Solution> found =
-        minima(data, until, request_.end ? Damper::kFading : Damper::kStriking, starts_);
     ContactEdge edge;
-    if (found.empty()) return edge;
-    if (request_.end) {
-      std::vector<Vector> starts;
-      for (const Solution& one : found) starts.push_back(one.x);
-      const std::vector<Solution> more = minima(data, until, Damper::kDragging, starts);
-      found.insert(found.end(), more.begin(), more.end());
+    const std::vector<LawMinima> laws = minima_of_laws(data, until);
+    if (laws.empty()) return edge;
+    std::vector<Solution> found;
+    for (const LawMinima& one : laws) {
+      found.insert(found.end(), one.minima.begin(), one.minima.end());
     }
-    const Solution s = averaged(found);
+    const Solution& best = best_of(found);
+    const bool alone = request_.likeliest_alone || (!holds(best) && !is_last);
+    const Solution s = alone ? best : averaged(best, touches_of(laws));
     // Touch, height and exponent do not depend on the damper.
     const OnsetLaw<double> l = law(s.x.data(), Damper::kStriking);
     edge.ok = true;
     edge.misfit = s.chi_square / s.freedom;
-    edge.law_holds = holds(s);
+    edge.law_holds = holds(best);
     const double inflation = edge.law_holds ? 1 : std::sqrt(edge.misfit);
     edge.instant = sign_ * l.touch;
     edge.sd = s.sd[0] * inflation;
@@ -127,15 +127,61 @@ class EdgeFit {
 
  private:
   static constexpr int kUnknowns = 6;
-  static constexpr double kSame = 0.3;  // deviations of the touch between searches that agree
+  static constexpr double kSame = 0.3;     // deviations of the touch between searches that agree
+  static constexpr double kUnlikely = 12;  // chi square more than the least
+  static constexpr double kShortestStep = 1e-3, kLongestStep = 0.5;  // frames, the first of them
+  static constexpr double kStepGrowth = 1.25;
+  static constexpr int kMostTouches = 40;
 
-  // All that the searches from `starts` end in, each once.
-  std::vector<Solution> minima(const std::vector<Observation>& data, double until, Damper damper,
-                               const std::vector<Vector>& starts) const {
-    const auto residuals = [&]<typename T>(const T* x, T* r) {
-      const OnsetLaw<T> l = law(x, damper);
-      const OnsetMotion<T> motion(l, until);
-      for (const Observation& o : data) {
+  // What is fitted, up to which time, by which law.
+  struct Fit {
+    const std::vector<Observation>& data;
+    double until;
+    Damper damper;
+  };
+  struct LawMinima {
+    Fit fit;
+    std::vector<Solution> minima;  // one or more
+  };
+  // A touch at a given instant, with all else fitted, and the part of time that it stands for.
+  struct Touch {
+    Solution solution;
+    double share;
+  };
+
+  // Each law is searched from the minima of the one before it.
+  std::vector<LawMinima> minima_of_laws(const std::vector<Observation>& data, double until) const {
+    const std::vector<Damper> dampers = request_.end
+                                            ? std::vector{Damper::kFading, Damper::kDragging}
+                                            : std::vector{Damper::kStriking};
+    std::vector<LawMinima> laws;
+    std::vector<Vector> starts = starts_;
+    for (const Damper damper : dampers) {
+      LawMinima law{{data, until, damper}, {}};
+      law.minima = minima(law.fit, starts);
+      if (law.minima.empty()) continue;
+      starts.clear();
+      for (const Solution& one : law.minima) starts.push_back(one.x);
+      laws.push_back(std::move(law));
+    }
+    return laws;
+  }
+  static const Solution& best_of(const std::vector<Solution>& found) {
+    return *std::min_element(found.begin(), found.end(), [](const Solution& a, const Solution& b) {
+      return a.chi_square < b.chi_square;
+    });
+  }
+  // What a misfit that is no chance widens deviations by, squared.
+  static double scatter_of(const Solution& best) {
+    return holds(best) ? 1 : best.chi_square / best.freedom;
+  }
+
+  // Of the data, the flight before and what laws of contact have in common.
+  auto residuals_of(const Fit& fit) const {
+    return [this, fit]<typename T>(const T* x, T* r) {
+      const OnsetLaw<T> l = law(x, fit.damper);
+      const OnsetMotion<T> motion(l, fit.until);
+      for (const Observation& o : fit.data) {
         const T model =
             o.from == o.to ? motion.height(o.from) : T(motion.height(o.to) - motion.height(o.from));
         *r++ = (o.value - model) / o.sd;
@@ -144,18 +190,20 @@ class EdgeFit {
       const T height = flight[0] - flight_[0], speed = flight[1] - flight_[1];
       *r++ = whiten_(0, 0) * height + whiten_(0, 1) * speed;
       *r++ = whiten_(1, 1) * speed;
-      if (!known_laws_) return;
       *r++ = (x[4] - kUsualExponent) / kExponentSd;
       *r++ = (x[5] - kUsualDamping) / kDampingSd;
       *r++ = std::min(T(0.0), x[5]) / kPushingSd;
     };
-    const int count = static_cast<int>(data.size()) + (known_laws_ ? 5 : 2);
+  }
+  static int count_of(const Fit& fit) { return static_cast<int>(fit.data.size()) + 5; }
+
+  // All that the searches from `starts` end in, each once.
+  std::vector<Solution> minima(const Fit& fit, const std::vector<Vector>& starts) const {
     std::vector<Solution> found;
     for (const Vector& start : starts) {
-      const Solution next =
-          solve<kUnknowns>(residuals, count, start, known_laws_ ? kKnownTolerance : kTolerance);
+      const Solution next = solve<kUnknowns>(residuals_of(fit), count_of(fit), start, kTolerance);
       // The flight that was fitted ends where the data begin: nothing touches before.
-      if (!next.ok || touch_ + next.x[0] < sign_ * static_cast<double>(request_.from)) continue;
+      if (!next.ok || next.x[0] < earliest()) continue;
       const auto same = std::find_if(found.begin(), found.end(), [&](const Solution& other) {
         return std::abs(next.x[0] - other.x[0]) < kSame * std::max(next.sd[0], other.sd[0]);
       });
@@ -167,25 +215,76 @@ class EdgeFit {
     }
     return found;
   }
+
+  double earliest() const { return sign_ * static_cast<double>(request_.from) - touch_; }
+
+  std::vector<Touch> touches_of(const std::vector<LawMinima>& laws) const {
+    std::vector<Touch> touches;
+    for (const LawMinima& one : laws) add_touches(one.fit, one.minima, touches);
+    return touches;
+  }
+  // On both sides of the best of `found`, until none is likely.
+  void add_touches(const Fit& fit, const std::vector<Solution>& found,
+                   std::vector<Touch>& touches) const {
+    const Solution& best = best_of(found);
+    const double unlikely = best.chi_square + kUnlikely * scatter_of(best);
+    const double first_step = std::clamp(best.sd[0] / 2, kShortestStep, kLongestStep);
+    const auto is_beyond_all = [&](double at, double way) {
+      return std::none_of(found.begin(), found.end(), [&](const Solution& one) {
+        return way * (one.x[0] - at) > 0 && one.chi_square < unlikely;
+      });
+    };
+    for (const double way : {-1.0, 1.0}) {
+      Vector rest = best.x.tail(kUnknowns - 1);
+      double step = first_step, at = way < 0 ? best.x[0] : best.x[0] + step;
+      for (int k = 0; k < kMostTouches && at > earliest() && at < fit.until - touch_; ++k) {
+        const Solution next = touching(fit, at, rest);
+        if (next.ok) {
+          touches.push_back({next, step});
+          rest = next.x.tail(kUnknowns - 1);
+          if (next.chi_square > unlikely && is_beyond_all(at, way)) break;
+        }
+        step *= kStepGrowth;
+        at += way * step;
+      }
+    }
+  }
+  Solution touching(const Fit& fit, double at, const Vector& rest) const {
+    const auto residuals = [at, all = residuals_of(fit)]<typename T>(const T* x, T* r) {
+      const std::array<T, kUnknowns> whole{T(at), x[0], x[1], x[2], x[3], x[4]};
+      all(whole.data(), r);
+    };
+    Solution s = solve<kUnknowns - 1>(residuals, count_of(fit), rest, kTolerance);
+    if (!s.ok) return s;
+    Vector x(kUnknowns), sd(kUnknowns);
+    x << at, s.x;
+    sd << 0, s.sd;
+    s.x = x, s.sd = sd;
+    return s;
+  }
+
   // A soft touch some frames before a hard one may describe the data as well, and the data can
-  // seldom tell whether the surface is still dented where the force has faded. All have a say, each
-  // by its likelihood, and their distances are part of the deviation (Bayesian model averaging,
-  // Hoeting et al. 1999).
-  static Solution averaged(const std::vector<Solution>& found) {
-    Solution s = *std::min_element(
-        found.begin(), found.end(),
-        [](const Solution& a, const Solution& b) { return a.chi_square < b.chi_square; });
-    const double scatter = holds(s) ? 1 : s.chi_square / s.freedom;
-    const auto weight = [&](const Solution& one) {
-      return std::exp((s.chi_square - one.chi_square) / (2 * scatter));
+  // seldom tell whether the surface is still dented where the force has faded. Every touch has a
+  // say, by its profile likelihood (Venzon and Moolgavkar 1988, Eq. 2), and so has every law
+  // (Hoeting et al. 1999); their distances are part of the deviation.
+  static Solution averaged(const Solution& best, const std::vector<Touch>& touches) {
+    if (touches.empty()) return best;
+    double least = best.chi_square;
+    for (const Touch& one : touches) least = std::min(least, one.solution.chi_square);
+    const auto weight = [&](const Touch& one) {
+      return one.share * std::exp((least - one.solution.chi_square) / (2 * scatter_of(best)));
     };
     double weights = 0;
     Vector mean = Vector::Zero(kUnknowns), variance = mean;
-    for (const Solution& one : found) weights += weight(one), mean += weight(one) * one.x;
-    mean /= weights;
-    for (const Solution& one : found) {
-      variance += weight(one) * (one.sd.cwiseAbs2() + (one.x - mean).cwiseAbs2());
+    for (const Touch& one : touches) {
+      weights += weight(one), mean += weight(one) * one.solution.x;
     }
+    mean /= weights;
+    for (const Touch& one : touches) {
+      const Solution& t = one.solution;
+      variance += weight(one) * (t.sd.cwiseAbs2() + (t.x - mean).cwiseAbs2());
+    }
+    Solution s = best;
     s.x = mean, s.sd = (variance / weights).cwiseSqrt();
     return s;
   }
@@ -218,7 +317,6 @@ class EdgeFit {
 
   EdgeRequest request_;
   double sign_, touch_ = 0;
-  bool known_laws_;
   std::vector<Observation> data_;
   double speed_ = 0, deflection_scale_ = 1;
   Eigen::Vector2d flight_;
@@ -262,8 +360,9 @@ struct TurnResiduals {
 ContactEdge fit_edge(const ImpactSeries& series, const EdgeRequest& request) {
   EdgeFit fit(series, request);
   ContactEdge edge;
-  for (const double reach : {0.95, 0.7, 0.5, 0.35}) {
-    const ContactEdge next = fit.fit(reach);
+  constexpr std::array kReaches = {0.95, 0.7, 0.5, 0.35};
+  for (const double reach : kReaches) {
+    const ContactEdge next = fit.fit(reach, reach == kReaches.back());
     if (next.ok) edge = next;
     if (edge.law_holds) break;
   }

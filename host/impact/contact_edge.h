@@ -26,6 +26,7 @@ struct EdgeRequest {
   double peak_acceleration = 0;
   std::size_t from = 0;  // the instant, in free flight, from which on the track is fitted
   double position_scale = 1, step_scale = 1;  // scatter over stated deviations
+  bool likeliest_alone = false;  // no other touch has a say: quick, with too small a deviation
 };
 
 struct ContactEdge {
@@ -43,8 +44,9 @@ struct ContactEdge {
 // Beginning: the deflection x follows x'' = -a with a = K x^p + A v/v0 (v = x', v0 at the touch),
 // a power law with a damper that strikes at once. End, seen backwards: a = K x^p + B (1 - v/v0),
 // whose force fades to nothing whatever the damper does. All of touch, speed, K, p, A or B are
-// fitted. The fit reaches to 95 % of the way to the maximum compression; if the law does not hold
-// that far, less and less, so that the edge is not bent to suit the rest.
+// fitted, p and A near what laws of contact have in common. The fit reaches to 95 % of the way to
+// the maximum compression; if the law does not hold that far, less and less, so that the edge is
+// not bent to suit the rest.
 ContactEdge fit_edge(const ImpactSeries& series, const EdgeRequest& request);
 
 // The instant at which the normal velocity is zero, by a line with a parabola on each side (the

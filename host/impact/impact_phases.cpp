@@ -127,8 +127,9 @@ bool Analysis::is_impact() const {
   return flights_.state[kVn0] < 0 && flights_.state[kVn1] > 0 && impulse > kSignificant * sd;
 }
 
-ContactEdge Analysis::edge(bool end, double near) const {
+ContactEdge Analysis::edge(bool end, double near, bool likeliest_alone) const {
   EdgeRequest request;
+  request.likeliest_alone = likeliest_alone;
   request.end = end;
   const int column = end ? kN1 : kN0;
   request.flight = {end ? after_.at : before_.at, flights_.state.segment<2>(column),
@@ -153,7 +154,7 @@ double Analysis::edge_per_gravity(bool end) const {
     Analysis other = *this;
     other.flights_.gravity += side == 0 ? -change : change;
     other.flights_.state += flights_.per_gravity * (other.flights_.gravity - flights_.gravity);
-    const ContactEdge found = other.edge(end, known.instant);
+    const ContactEdge found = other.edge(end, known.instant, true);
     if (!found.ok || found.reach != known.reach) return 0;  // another fit: no slope
     instants[side] = found.instant;
   }
@@ -161,8 +162,10 @@ double Analysis::edge_per_gravity(bool end) const {
 }
 
 void Analysis::find_edges(double start_guess, double end_guess) {
-  start_ = edge(false, start_guess);
-  end_ = edge(true, end_guess);
+  parallel_for(2, [&](std::size_t side) {
+    if (side == 0) start_ = edge(false, start_guess, false);
+    if (side == 1) end_ = edge(true, end_guess, false);
+  });
   const double first = static_cast<double>(before_.first), last = static_cast<double>(after_.last);
   start_.ok = start_.ok && start_.instant > first && start_.instant < turn_.instant;
   end_.ok = end_.ok && end_.instant < last && end_.instant > turn_.instant;

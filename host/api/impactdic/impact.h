@@ -24,7 +24,7 @@ enum class ImpactStatus {
   kNone,            // the ball does not turn away from the surface in these frames
   kWrongSide,       // it does, but on the other side of the surface: turn the angle by 180 degrees
   kFlightTooShort,  // fewer than 6 frames of free flight before or after the contact
-  kNotResolved,     // contact of fewer than 8 frames: its start and end are not measured
+  kNotResolved,     // a contact whose start and end are not told
 };
 const char* to_string(ImpactStatus status);
 
