@@ -35,8 +35,10 @@ struct Figure {
     double squares = 0;
     for (const double ratio : ratios) squares += std::min(ratio * ratio, 100.0);
     const auto beyond = [&](double sds) {
-      return 100 * static_cast<double>(std::count_if(ratios.begin(), ratios.end(),
-                                                     [&](double r) { return r > sds; })) / count;
+      return 100 *
+             static_cast<double>(
+                 std::count_if(ratios.begin(), ratios.end(), [&](double r) { return r > sds; })) /
+             count;
     };
     std::printf("  %-12s median error %9.2g, over sd %5.2f, beyond 2 sd %5.1f %%, 3 sd %5.1f %%\n",
                 name, upper_median(errors), std::sqrt(squares / count), beyond(2), beyond(3));

@@ -192,6 +192,7 @@ CircleFit BallTracker::locate(const Frame& frame, const Place& place, const Radi
   }
   if (searched != nullptr) *searched = true;
   CircleFit found = search(frame, place.index, radius);
+  if (prior && is_shadow_of(frame, prior->predicted, found)) found = {};
   if (left && found.status != CircleStatus::kOk) found.status = CircleStatus::kOutOfView;
   return found;
 }

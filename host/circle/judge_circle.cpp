@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "host/circle/rim/rim_model.h"
+#include "host/circle/scene/cast_shadow.h"
 #include "host/circle/settings/judgement.h"
 
 namespace impactdic::circle {
@@ -53,6 +54,11 @@ bool stands_out(const CircleFit& fit, const Frame& frame, const std::optional<do
   const double r = fit.circle.r_px;
   return rim >= kTracking.found_rim && is_round(fit) &&
          (!radius_px || std::abs(r - *radius_px) <= kTracking.found_radius * *radius_px);
+}
+
+bool is_shadow_of(const Frame& frame, const Circle& ball, const CircleFit& found) {
+  return found.status == CircleStatus::kOk && may_cast(ball, found.circle) &&
+         is_flat_dark(frame, found.circle, &ball);
 }
 
 }  // namespace impactdic::circle

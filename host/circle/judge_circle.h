@@ -26,4 +26,8 @@ bool is_grown(const CircleFit& fit, const CirclePrior& prior);
 // it also round, and of the ball's size, where that is known. Arms and shadows have arcs, too.
 bool stands_out(const CircleFit& fit, const Frame& frame, const std::optional<double>& radius_px);
 
+// Whether a circle that was found is the shadow of the ball that was here just now, whose rim may
+// not show for a moment.
+bool is_shadow_of(const Frame& frame, const Circle& ball, const CircleFit& found);
+
 }  // namespace impactdic::circle

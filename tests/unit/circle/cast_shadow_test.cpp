@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "host/circle/ball_tracker.h"
 #include "host/circle/circle.h"
 #include "host/circle/second_look/rim_beyond.h"
 #include "sim/speckle/render.h"
@@ -69,6 +70,29 @@ TEST(CastShadow, TellsWhatLiesBeforeIt) {
     EXPECT_LT(off_px(*thing, s.ball), 3) << at.x_px;
     EXPECT_NEAR(thing->r_px, 60, 3) << at.x_px;
   }
+}
+
+// Where nothing of the ball shows for a moment its shadow does.
+TEST(CastShadow, IsNoBallThatIsFoundAgain) {
+  constexpr Offset kAt = {70, 45};
+  Shown s = shown("e1", kAt, 0.2);
+  circle::BallTracker tracker;
+  for (const int k : {0, 1}) {
+    const circle::CircleFit fit = tracker.track(s.frame, k);
+    ASSERT_EQ(fit.status, circle::CircleStatus::kOk);
+    ASSERT_LT(off_px(fit.circle, s.ball), 1);
+  }
+  const Circle shadow{s.ball.cx_px + kAt.x_px, s.ball.cy_px + kAt.y_px, s.ball.r_px};
+  const auto level = [&](double x, double y) { return s.frame.u8(int(x), int(y)); };
+  const std::uint8_t wall = level(5, 5), dark = level(shadow.cx_px + 20, shadow.cy_px + 20);
+  for (int y = 0; y < s.frame.height(); ++y) {
+    for (int x = 0; x < s.frame.width(); ++x) {
+      if (std::hypot(x - s.ball.cx_px, y - s.ball.cy_px) > s.ball.r_px + 1) continue;
+      const bool in = std::hypot(x - shadow.cx_px, y - shadow.cy_px) < shadow.r_px;
+      s.frame.u8(x, y) = in ? dark : wall;
+    }
+  }
+  EXPECT_NE(tracker.track(s.frame, 2).status, circle::CircleStatus::kOk);
 }
 
 TEST(CastShadow, NoBallIsOne) {
