@@ -7,8 +7,17 @@ import numpy as np
 
 from film_changes import blurred
 
-SIDE, RADIUS, BACKGROUND = 400, 60, 60  # px, px, grey levels
-Y, X = np.mgrid[0:SIDE, 0:SIDE].astype(float)
+BACKGROUND = 60  # grey levels
+
+
+def set_size(side, radius):
+    """Of the pictures, which are squares, and of the ball, px."""
+    global SIDE, RADIUS, Y, X
+    SIDE, RADIUS = side, radius
+    Y, X = np.mgrid[0:SIDE, 0:SIDE].astype(float)
+
+
+set_size(400, 60)
 
 
 def step(distance, softness=0.4):

@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
 """What `track` makes of an impact as it is filmed: above a floor, in dust, of a ball that rings.
 
-Paints an oblique impact (`synth --simulate JOB`, R 60 px, 190 frames of 400 x 400 pixels, noise 2),
-changes every picture, tracks it with the ball's diameter and the surface's angle, and compares rows,
+Paints an oblique impact (`synth --simulate JOB`, unless told otherwise of R 60 px in 190 frames of
+400 x 400 pixels, noise 2), changes every picture, tracks it with the ball's diameter and the surface's angle, and compares rows,
 restitution, friction and spin with the simulation.
 
     bench/film/impact_film.py build/release/impactdic FIRST LAST [NAME,...] [--job JOB.toml]
-                              [--bodies disc,sphere] [--patterns e1,...] [OPTION OF TRACK ...]
+                              [--bodies disc,sphere] [--patterns e1,...] [--side 400] [--radius 60]
+                              [--frames 190] [--touch 55.3] [--noise 2] [--synth=OPTIONS]
+                              [OPTION OF TRACK ...]
 
 NAME+NAME makes both changes, the first one first.
 
@@ -26,9 +28,10 @@ import tomllib
 
 import numpy as np
 
-from impact_changes import BACKGROUND, CHANGES, RADIUS, SIDE, Shot
+import impact_changes
+from impact_changes import BACKGROUND, CHANGES, Shot
 
-FRAMES, TOUCH, NOISE, OTHER_BACKGROUND = 190, 55.3, 2, 160
+OTHER_BACKGROUND = 160  # grey levels
 PATTERNS = ('e1', 'a2', 'd2', 'b2', 'c3', 'f1', 'e2', 'd1')
 COLUMNS = {'cx_px': 'cx_sd_px', 'cy_px': 'cy_sd_px', 'dx_px': 'dx_sd_px', 'dy_px': 'dy_sd_px',
            'rot_deg': 'rot_sd_deg'}
@@ -37,12 +40,15 @@ COLUMNS = {'cx_px': 'cx_sd_px', 'cy_px': 'cy_sd_px', 'dx_px': 'dx_sd_px', 'dy_px
 def synthesised(arguments, body, seed, folder, background):
     """Pictures without noise, as a file that may be written to."""
     pattern = arguments.patterns[seed % len(arguments.patterns)]
-    options = ['--body', 'sphere', '--lamp', '0.2'] if body == 'sphere' else []
+    options = arguments.synth.split()
+    if body == 'sphere':
+        options += ['--body', 'sphere'] + ([] if '--lamp' in options else ['--lamp', '0.2'])
+    side, frames = arguments.side, arguments.frames
     subprocess.run([arguments.program, 'synth', '-o', folder, '--simulate', arguments.job, '--frames',
-                    str(FRAMES), '--size', f'{SIDE}x{SIDE}', '--radius-px', str(RADIUS),
-                    '--touch-frame', str(TOUCH), '--seed', str(seed), '--pattern', pattern,
+                    str(frames), '--size', f'{side}x{side}', '--radius-px', str(arguments.radius),
+                    '--touch-frame', str(arguments.touch), '--seed', str(seed), '--pattern', pattern,
                     '--background', str(background), '--format', 'mraw', '-q', *options], check=True)
-    return np.memmap(folder / 'video.mraw', np.uint8, 'r+', shape=(FRAMES, SIDE, SIDE))
+    return np.memmap(folder / 'video.mraw', np.uint8, 'r+', shape=(frames, side, side))
 
 
 def share_behind(arguments, body, seed, pictures):
@@ -53,13 +59,14 @@ def share_behind(arguments, body, seed, pictures):
 
 
 def paint(arguments, name, body, seed, folder):
+    impact_changes.set_size(arguments.side, arguments.radius)
     file = synthesised(arguments, body, seed, folder, BACKGROUND)
     shot = Shot(folder, seed)
     film = file.astype(float)
     shot.behind = lambda: share_behind(arguments, body, seed, file)
     for change in name.split('+'):
         film = CHANGES[change](shot, film)
-    film += np.random.default_rng([seed, 7]).normal(0, NOISE, film.shape)
+    film += np.random.default_rng([seed, 7]).normal(0, arguments.noise, film.shape)
     file[:] = np.clip(film + 0.5, 0, 255).astype(np.uint8)
     file.flush()
 
@@ -133,17 +140,31 @@ def parsed():
     parser.add_argument('--job', default=str(home / 'sim/jobs/racket_30.toml'))
     parser.add_argument('--bodies', default='disc,sphere')
     parser.add_argument('--patterns', default=','.join(PATTERNS))
+    add_filming(parser)
     arguments, arguments.options = parser.parse_known_args()
     arguments.names = arguments.names.split(',')
     arguments.patterns = arguments.patterns.split(',')
     asked = [change for name in arguments.names for change in name.split('+')]
     if unknown := [change for change in asked if change not in CHANGES]:
         parser.error(f"no change is called '{unknown[0]}': {', '.join(CHANGES)}")
+    set_job(arguments)
+    return arguments
+
+
+def add_filming(parser):
+    parser.add_argument('--side', type=int, default=400)
+    parser.add_argument('--radius', type=float, default=60)
+    parser.add_argument('--frames', type=int, default=190)
+    parser.add_argument('--touch', type=float, default=55.3)
+    parser.add_argument('--noise', type=float, default=2)
+    parser.add_argument('--synth', default='', help='more options of synth')
+
+
+def set_job(arguments):
     job = tomllib.loads(pathlib.Path(arguments.job).read_text())
     arguments.diameter_mm = 1000 * job['body']['diameter_m']
     arguments.angle_deg = job['surface']['angle_deg']
     arguments.simulated = simulated(arguments)
-    return arguments
 
 
 def main():

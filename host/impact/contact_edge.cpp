@@ -265,7 +265,7 @@ class EdgeFit {
 
   // A soft touch some frames before a hard one may describe the data as well, and the data can
   // seldom tell whether the surface is still dented where the force has faded. Every touch has a
-  // say, by its profile likelihood (Venzon and Moolgavkar 1988, Eq. 2), and so has every law
+  // say, by its profile likelihood (Venzon and Moolgavkar 1988), and so has every law
   // (Hoeting et al. 1999); their distances are part of the deviation.
   static Solution averaged(const Solution& best, const std::vector<Touch>& touches) {
     if (touches.empty()) return best;

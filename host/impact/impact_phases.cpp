@@ -128,19 +128,18 @@ bool Analysis::is_impact() const {
 }
 
 ContactEdge Analysis::edge(bool end, double near, bool likeliest_alone) const {
-  EdgeRequest request;
-  request.likeliest_alone = likeliest_alone;
-  request.end = end;
   const int column = end ? kN1 : kN0;
+  EdgeRequest request{.end = end,
+                      .gravity_n = flights_.gravity * direction_.n,
+                      .turn = turn_.instant,
+                      .guess = near,
+                      .peak_acceleration = guess_.peak_acceleration,
+                      .from = end ? after_.first : before_.last,
+                      .position_scale = flights_.position_scale,
+                      .step_scale = flights_.step_scale,
+                      .likeliest_alone = likeliest_alone};
   request.flight = {end ? after_.at : before_.at, flights_.state.segment<2>(column),
                     flights_.covariance.block<2, 2>(column, column)};
-  request.gravity_n = flights_.gravity * direction_.n;
-  request.turn = turn_.instant;
-  request.guess = near;
-  request.peak_acceleration = guess_.peak_acceleration;
-  request.from = end ? after_.first : before_.last;
-  request.position_scale = flights_.position_scale;
-  request.step_scale = flights_.step_scale;
   return fit_edge(series_, request);
 }
 
@@ -162,9 +161,8 @@ double Analysis::edge_per_gravity(bool end) const {
 }
 
 void Analysis::find_edges(double start_guess, double end_guess) {
-  parallel_for(2, [&](std::size_t side) {
-    if (side == 0) start_ = edge(false, start_guess, false);
-    if (side == 1) end_ = edge(true, end_guess, false);
+  parallel_for(2, [&](std::size_t end) {
+    (end ? end_ : start_) = edge(end > 0, end > 0 ? end_guess : start_guess, false);
   });
   const double first = static_cast<double>(before_.first), last = static_cast<double>(after_.last);
   start_.ok = start_.ok && start_.instant > first && start_.instant < turn_.instant;
