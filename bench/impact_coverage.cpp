@@ -69,11 +69,14 @@ FilmedImpact filmed(support::RandomShots& random, const support::LawPair& laws) 
     f.touch = random.between(0, 1);
     f.frames = 2 * kFlight + static_cast<int>(contact_frames) + 2;
     f.seed = static_cast<unsigned>(random.between(0, 1e6));
-    // Pressed in by some steps' noise and no more than a ball can be; a rebound that shows; 30 px a
-    // frame are no film.
+    // Pressed in by some steps' noise and no more than a ball can be; a rebound that shows; no
+    // weight that outlasts the law's force, whose end then is no separation; 30 px a frame are no
+    // film.
     const double depth_px = impact.max_deflection_m / f.metre_per_px;
     const double out_px = f.speed(impact.final.vn_m_s);
-    if (depth_px > 20 * step_px && depth_px < 0.25 * radius_px && out_px > 5 * step_px &&
+    const double weighed = f.job.gravity_m_s2 * impact.contact_s / -f.job.initial.vn_m_s;
+    if (weighed < 0.01 && depth_px > 20 * step_px && depth_px < 0.25 * radius_px &&
+        out_px > 5 * step_px &&
         f.speed(std::hypot(f.job.initial.vn_m_s, f.job.initial.vt_m_s)) < 30) {
       return f;
     }
@@ -89,7 +92,7 @@ void add(Law& law, const FilmedImpact& f) {
   law.start.add(found.start.instant, truth.start);
   law.end.add(found.end.instant, truth.end);
   law.restitution.add(found.restitution, truth.restitution);
-  law.friction.add(found.friction, truth.friction);
+  law.friction.add({std::abs(found.friction.value), found.friction.sd}, truth.friction);
   law.spin.add(found.after.spin, truth.after.omega_rad_s / f.fps);
   law.deflection.add(found.max_deflection, truth.deflection_px);
 }
