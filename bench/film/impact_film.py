@@ -2,8 +2,8 @@
 """What `track` makes of an impact as it is filmed: above a floor, in dust, of a ball that rings.
 
 Paints an oblique impact (`synth --simulate JOB`, unless told otherwise of R 60 px in 190 frames of
-400 x 400 pixels, noise 2), changes every picture, tracks it with the ball's diameter and the surface's angle, and compares rows,
-restitution, friction and spin with the simulation.
+400 x 400 pixels, noise 2), changes every picture, tracks it with the ball's diameter and the
+surface's angle, and compares rows, restitution, friction and spin with the simulation.
 
     bench/film/impact_film.py build/release/impactdic FIRST LAST [NAME,...] [--job JOB.toml]
                               [--bodies disc,sphere] [--patterns e1,...] [--side 400] [--radius 60]

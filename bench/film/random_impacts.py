@@ -54,11 +54,15 @@ def drawn(program, options, seed):
 
 
 def main():
-    program, (first, last), options = sys.argv[1], map(int, sys.argv[2:4]), sys.argv[4:]
-    program = str(pathlib.Path(program).resolve())
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument('program', type=lambda path: str(pathlib.Path(path).resolve()))
+    parser.add_argument('first', type=int)
+    parser.add_argument('last', type=int)
+    given, options = parser.parse_known_args()
     rows, errors = collections.Counter(), {'e': [], 'mu': [], 'spin': []}
-    for seed in range(first, last + 1):
-        arguments, changes, body = drawn(program, options, seed)
+    for seed in range(given.first, given.last + 1):
+        arguments, changes, body = drawn(given.program, options, seed)
         found = collections.Counter(warned=collections.Counter(), statuses=collections.Counter())
         one(arguments, changes, body, seed, found)
         for name in ('found', 'ok', 'not ok', 'wrong', 'failed'):
@@ -71,7 +75,7 @@ def main():
                   f"{found['wrong']}, e {found['e']:.1f} mu {found['mu']:.1f} spin {found['spin']:.1f} | "
                   f"{arguments.patterns[0]}, {arguments.radius} px, noise {arguments.noise:.0f}, "
                   f"{pathlib.Path(arguments.job).stem}, {arguments.synth}", flush=True)
-    print(f"found {rows['found']} of {last - first + 1}, ok {rows['ok']}, not ok {rows['not ok']}, wrong "
+    print(f"found {rows['found']} of {given.last - given.first + 1}, ok {rows['ok']}, not ok {rows['not ok']}, wrong "
           f"{rows['wrong']}" + (f", failed {rows['failed']}" if rows['failed'] else ''))
     for name, values in errors.items():
         beyond = [sum(value > sds for value in values) for sds in (2, 3)]

@@ -33,6 +33,7 @@ vt_m_s = -1.81
 vn_m_s = -3.52
 """
 RESTITUTION = 0.8284582418143385  # of this job, by impactdic simulate
+CONTACT_MS = 6.459564
 TRACK = ["--ball-diameter-mm", "67", "--surface-angle-deg", "30", "--inertia-factor", "0.667"]
 SYNTH = ["--pattern", "f1", "--noise", "2", "--size", "160x170", "--radius-px", "48", "--fps", "5000",
          "--frames", "64", "--touch-frame", "14.37"]
